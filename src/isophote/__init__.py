@@ -1,0 +1,40 @@
+"""Isophote: describe a 3D shape, render it, analyse it.
+
+Names are loaded when they are first used, so that `import isophote` stays light.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+__version__ = "0.1.0"
+
+# Public name → the module that defines it.
+_HOME = {
+    "Attribute": "shapes.mesh",
+    "Error": "errors",
+    "FaceLabels": "shapes.mesh",
+    "FileError": "errors",
+    "GeometryError": "errors",
+    "IsophoteWarning": "errors",
+    "Mesh": "shapes.mesh",
+    "RenderError": "errors",
+    "SceneError": "errors",
+}
+
+__all__ = ["__version__", *sorted(_HOME)]
+
+
+def __getattr__(name: str) -> Any:
+    try:
+        home = _HOME[name]
+    except KeyError:
+        raise AttributeError(f"module 'isophote' has no attribute {name!r}") from None
+    value = getattr(importlib.import_module(f"isophote.{home}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return list(__all__)

@@ -1,0 +1,1 @@
+"""One shape into another; the only place that knows two representations."""

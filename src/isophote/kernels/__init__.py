@@ -1,0 +1,1 @@
+"""Compiled code: knows only numbers, records and tables."""

@@ -1,0 +1,1 @@
+"""One representation each: how a triangle, say, is hit by a ray."""

@@ -1,0 +1,1 @@
+"""How light leaves, scatters and is added up: emitters, BSDFs, textures, film."""

@@ -1,0 +1,1 @@
+"""One rendering method each."""

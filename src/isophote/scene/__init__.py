@@ -1,0 +1,1 @@
+"""Descriptions of scenes: cameras, lights, materials, textures; no compiled code."""

@@ -1,0 +1,1 @@
+"""What a thing is: descriptions of shapes, frozen and free of compiled code."""
