@@ -1,0 +1,211 @@
+"""Rays through a tree of eight children a node, in layout.py's memory.
+
+The test of a node is one set of vector instructions over its eight boxes. It is conservative: distances to planes
+are widened by more than their rounding error (Ize: "Robust BVH Ray Traversal", JCGT 2(2), 2013), so a box is never
+missed whose triangle the watertight test in forms/triangle.py would hit.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from isophote.kernels.accel.layout import CHILD, LANES, NODE, STACK, UPPER
+from isophote.kernels.base.jit import device
+from isophote.kernels.base.simd import (
+    bits,
+    lane,
+    load8,
+    load_float,
+    load_int,
+    lowest_bit,
+    maximum,
+    minimum,
+    splat8,
+    store4,
+    store8,
+    store_float,
+    store_int,
+)
+from isophote.kernels.forms.triangle import hit_block, shear
+
+__all__ = ["any_triangle", "closest_triangle"]
+
+_ZERO = np.float32(0)
+_ONE = np.float32(1)
+# Least component of a direction in the slab test: smaller ones would overflow its reciprocal.
+_TINY = np.float32(1e-18)
+# Rounding of o/d is at most 2^-23 |o/d|; of the whole distance a few 2^-24 of it. Both are given room to spare.
+_ORIGIN_SLACK = np.float32(2.0**-21)
+_FAR_SLACK = np.float32(1 + 2.0**-20)
+_NO_HIT = np.int64(-1)
+
+
+class Slabs(NamedTuple):
+    """A ray made ready for boxes: word offsets of its near and far planes, 1/d, and o/d moved outward."""
+
+    near_x: int
+    near_y: int
+    near_z: int
+    inv_x: float
+    inv_y: float
+    inv_z: float
+    enter_x: float
+    enter_y: float
+    enter_z: float
+    leave_x: float
+    leave_y: float
+    leave_z: float
+
+
+@device
+def _reciprocal(d):
+    return _ONE / (d if abs(d) > _TINY else (_TINY if d >= _ZERO else -_TINY))
+
+
+@device
+def slabs(origin, direction):
+    """The ray's `Slabs`."""
+    ix, iy, iz = _reciprocal(direction.x), _reciprocal(direction.y), _reciprocal(direction.z)
+    x, y, z = origin.x * ix, origin.y * iy, origin.z * iz
+    ex, ey, ez = abs(x) * _ORIGIN_SLACK, abs(y) * _ORIGIN_SLACK, abs(z) * _ORIGIN_SLACK
+    return Slabs(
+        np.int64(0 if ix >= _ZERO else UPPER),
+        np.int64(8 if iy >= _ZERO else UPPER + 8),
+        np.int64(16 if iz >= _ZERO else UPPER + 16),
+        splat8(ix),
+        splat8(iy),
+        splat8(iz),
+        splat8(x + ex),
+        splat8(y + ey),
+        splat8(z + ez),
+        splat8(x - ex),
+        splat8(y - ey),
+        splat8(z - ez),
+    )
+
+
+@device
+def enter_children(nodes, base, ray, t_max):
+    """Children of the node at word `base` that the ray enters before `t_max`: (bits, distances)."""
+    near = maximum(
+        maximum(
+            load8(nodes, base + ray.near_x) * ray.inv_x - ray.enter_x,
+            load8(nodes, base + ray.near_y) * ray.inv_y - ray.enter_y,
+        ),
+        maximum(load8(nodes, base + ray.near_z) * ray.inv_z - ray.enter_z, splat8(_ZERO)),
+    )
+    far = minimum(
+        minimum(
+            load8(nodes, base + (UPPER - ray.near_x)) * ray.inv_x - ray.leave_x,
+            load8(nodes, base + (UPPER + 16 - ray.near_y)) * ray.inv_y - ray.leave_y,
+        ),
+        minimum(load8(nodes, base + (UPPER + 32 - ray.near_z)) * ray.inv_z - ray.leave_z, splat8(t_max)),
+    )
+    return bits(near <= far * splat8(_FAR_SLACK)), near
+
+
+@device
+def closest_triangle(nodes, blocks, root, origin, direction, t_max, stack):
+    """The nearest triangle that the ray meets at 0 < t < `t_max`.
+
+    Returns (t, weight of corner 1, weight of corner 2, slot), where slot = block * LANES + lane, or -1 for none
+    (t is `t_max` then). `stack` is float32 scratch of layout.SCRATCH words.
+    """
+    box = slabs(origin, direction)
+    ray = shear(origin, direction)
+    slot, weight1, weight2 = _NO_HIT, _ZERO, _ZERO
+    top = np.int64(0)
+    row = np.int64(STACK)
+    node = np.int32(root)
+    while True:
+        if node >= 0:
+            base = np.int64(node) * NODE
+            entered, near = enter_children(nodes, base, box, t_max)
+            if entered != 0:
+                k = np.int64(lowest_bit(entered))
+                entered &= entered - np.int32(1)
+                nearest = load_int(nodes, base + CHILD + k)
+                if entered == 0:
+                    node = nearest
+                    continue
+                # Several: the nearest goes on, the others onto the stack, the farthest first.
+                store8(stack, row, near)
+                distance = load_float(stack, row + k)
+                bottom = top
+                while entered != 0:
+                    k = np.int64(lowest_bit(entered))
+                    entered &= entered - np.int32(1)
+                    other = load_int(nodes, base + CHILD + k)
+                    other_distance = load_float(stack, row + k)
+                    if other_distance < distance:
+                        other, nearest = nearest, other
+                        other_distance, distance = distance, other_distance
+                    at = top
+                    while at > bottom:
+                        above = load_float(stack, at - 2)
+                        if above >= other_distance:
+                            break
+                        store_float(stack, at, above)
+                        store_int(stack, at + 1, load_int(stack, at - 1))
+                        at -= 2
+                    store_float(stack, at, other_distance)
+                    store_int(stack, at + 1, other)
+                    top += 2
+                node = nearest
+                continue
+        else:
+            code = np.int64(-1) - np.int64(node)
+            first = code >> 3
+            for block in range(first, first + (code & 7)):
+                met, t, w1, w2 = hit_block(blocks, block, ray, t_max)
+                if met != 0:
+                    store4(stack, row, t)
+                    while met != 0:
+                        k = lowest_bit(met)
+                        met &= met - np.int32(1)
+                        candidate = load_float(stack, row + np.int64(k))
+                        if candidate < t_max:
+                            t_max = candidate
+                            slot = block * LANES + np.int64(k)
+                            weight1, weight2 = lane(w1, k), lane(w2, k)
+        while True:
+            if top == 0:
+                return t_max, weight1, weight2, slot
+            top -= 2
+            if load_float(stack, top) < t_max:
+                node = load_int(stack, top + 1)
+                break
+
+
+@device
+def any_triangle(nodes, blocks, root, origin, direction, t_max, stack):
+    """Whether the ray meets a triangle at 0 < t < `t_max`."""
+    box = slabs(origin, direction)
+    ray = shear(origin, direction)
+    top = np.int64(0)
+    node = np.int32(root)
+    while True:
+        if node >= 0:
+            base = np.int64(node) * NODE
+            entered, _ = enter_children(nodes, base, box, t_max)
+            if entered != 0:
+                node = load_int(nodes, base + CHILD + np.int64(lowest_bit(entered)))
+                entered &= entered - np.int32(1)
+                while entered != 0:
+                    store_int(stack, top, load_int(nodes, base + CHILD + np.int64(lowest_bit(entered))))
+                    entered &= entered - np.int32(1)
+                    top += 1
+                continue
+        else:
+            code = np.int64(-1) - np.int64(node)
+            first = code >> 3
+            for block in range(first, first + (code & 7)):
+                met, _, _, _ = hit_block(blocks, block, ray, t_max)
+                if met != 0:
+                    return True
+        if top == 0:
+            return False
+        top -= 1
+        node = load_int(stack, top)

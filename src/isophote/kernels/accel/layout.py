@@ -1,0 +1,33 @@
+"""How trees lie in memory: one flat float32 array of nodes, one of leaf blocks.
+
+A node has `WIDTH` children and fills `NODE` words: for each of x, y, z the lower bounds of all children, then
+for each axis the upper bounds, then one int32 a child. Missing children have the box (+inf, -inf), which no ray
+enters. A child's code is
+
+    code >= 0    the number of another node
+    code <  0    a leaf: -1 - code = first * 8 + count, `count` (1 to 7) consecutive blocks from `first` on
+
+A block holds `LANES` triangles and fills `BLOCK` words: x of the first corners of all lanes, y, z, the same for the
+second and the third corners, then one int32 a lane, the triangle's number. Lanes without a triangle have NaN
+corners, which no ray hits, and the number -1.
+"""
+
+from __future__ import annotations
+
+WIDTH = 8
+NODE = 64
+LOWER = 0
+UPPER = 24
+CHILD = 48
+
+LANES = 4
+BLOCK = 40
+NUMBER = 36
+
+MAX_BLOCKS = 7
+MAX_DEPTH = 60
+
+# Words of scratch that a traversal needs: two a stack entry, at most WIDTH - 1 entries a level, and one row of
+# distances at the end.
+STACK = 2 * (WIDTH - 1) * (MAX_DEPTH + 4)
+SCRATCH = STACK + 2 * WIDTH

@@ -1,0 +1,345 @@
+"""Vectors of the processor as Numba types: `f32x8` and `f32x4`, eight or four floats in one register.
+
+A vector exists only inside kernels: it is loaded from or stored to an array, or made by `splat`, and has
+the operators `+ - * /`, negation, the comparisons (which give a mask), and the functions below. Masks have
+`&`, `|` and `~`. Everything maps to one or two machine instructions; nothing allocates.
+
+    a = load8(values, i)                  # eight floats from values[i] on
+    near = minimum(a, b) - splat8(x)
+    hit = bits(near <= far)               # bit k: lane k
+    while hit != 0:
+        k = lowest_bit(hit)               # lane by lane
+        hit &= hit - 1
+
+`minimum(a, b)` is `a < b ? a : b` lane by lane, so a NaN in `a` yields `b`. Products and sums may be
+contracted to one rounding, except where the name says `exact`.
+"""
+
+from __future__ import annotations
+
+import operator
+
+from llvmlite import ir
+from numba import types
+from numba.core import cgutils
+from numba.extending import intrinsic, models, overload, register_model
+
+__all__ = [
+    "absolute",
+    "bits",
+    "exact_product_difference",
+    "lane",
+    "load4",
+    "load8",
+    "load_float",
+    "load_int",
+    "lowest_bit",
+    "maximum",
+    "minimum",
+    "prefetch",
+    "select",
+    "splat4",
+    "splat8",
+    "square_root",
+    "store4",
+    "store8",
+    "store_float",
+    "store_int",
+]
+
+_F32, _I32, _I8, _I1 = ir.FloatType(), ir.IntType(32), ir.IntType(8), ir.IntType(1)
+_CONTRACT = ("contract", "nsz")
+
+
+class VectorType(types.Type):
+    """Numba type of `lanes` floats in one register."""
+
+    def __init__(self, lanes: int) -> None:
+        self.lanes = lanes
+        super().__init__(name=f"f32x{lanes}")
+
+
+class MaskType(types.Type):
+    """Numba type of `lanes` truth values in one register."""
+
+    def __init__(self, lanes: int) -> None:
+        self.lanes = lanes
+        super().__init__(name=f"mask{lanes}")
+
+
+@register_model(VectorType)
+class _VectorModel(models.PrimitiveModel):
+    def __init__(self, dmm, fe_type):
+        super().__init__(dmm, fe_type, ir.VectorType(_F32, fe_type.lanes))
+
+
+@register_model(MaskType)
+class _MaskModel(models.PrimitiveModel):
+    def __init__(self, dmm, fe_type):
+        super().__init__(dmm, fe_type, ir.VectorType(_I1, fe_type.lanes))
+
+
+f32x8, f32x4 = VectorType(8), VectorType(4)
+mask8, mask4 = MaskType(8), MaskType(4)
+_MASK_OF = {f32x8: mask8, f32x4: mask4}
+
+
+def _is_vector(*operands) -> bool:
+    return all(isinstance(a, VectorType) for a in operands) and len(set(operands)) == 1
+
+
+def _is_mask(*operands) -> bool:
+    return all(isinstance(a, MaskType) for a in operands) and len(set(operands)) == 1
+
+
+# --- memory ---------------------------------------------------------------------------------------
+
+
+def _address(context, builder, array_type, array, index, element):
+    """Pointer to element `index` of a contiguous array of 32-bit elements, as `element`."""
+    data = cgutils.create_struct_proxy(array_type)(context, builder, array).data
+    return builder.bitcast(builder.gep(data, [index]), element.as_pointer())
+
+
+def _is_words(array) -> bool:
+    return isinstance(array, types.Array) and array.layout == "C" and array.dtype.bitwidth == 32
+
+
+def _loader(result: types.Type, element: ir.Type):
+    @intrinsic
+    def load(typingctx, array, index):
+        if not _is_words(array):
+            return None
+
+        def codegen(context, builder, signature, args):
+            loaded = builder.load(_address(context, builder, signature.args[0], *args, element))
+            loaded.align = 4
+            return loaded
+
+        return result(array, types.intp), codegen
+
+    return load
+
+
+def _storer(value: types.Type, element: ir.Type):
+    @intrinsic
+    def store(typingctx, array, index, stored):
+        if not _is_words(array):
+            return None
+
+        def codegen(context, builder, signature, args):
+            pointer = _address(context, builder, signature.args[0], args[0], args[1], element)
+            builder.store(args[2], pointer).align = 4
+            return context.get_dummy_value()
+
+        return types.void(array, types.intp, value), codegen
+
+    return store
+
+
+load8, store8 = _loader(f32x8, ir.VectorType(_F32, 8)), _storer(f32x8, ir.VectorType(_F32, 8))
+load4, store4 = _loader(f32x4, ir.VectorType(_F32, 4)), _storer(f32x4, ir.VectorType(_F32, 4))
+# One word of an array of 32-bit elements, read or written as the type in the name whatever the array's own
+# type: tables of nodes hold floats and integers side by side. No wrap-around of negative indices.
+load_float, store_float = _loader(types.float32, _F32), _storer(types.float32, _F32)
+load_int, store_int = _loader(types.int32, _I32), _storer(types.int32, _I32)
+
+
+@intrinsic
+def prefetch(typingctx, array, index):
+    """Ask for the cache line of `array[index]` before it is needed."""
+
+    def codegen(context, builder, signature, args):
+        pointer = _address(context, builder, signature.args[0], *args, _I8)
+        kind = ir.FunctionType(ir.VoidType(), [_I8.as_pointer(), _I32, _I32, _I32])
+        function = cgutils.get_or_insert_function(builder.module, kind, "llvm.prefetch.p0")
+        builder.call(function, [pointer, _I32(0), _I32(3), _I32(1)])
+        return context.get_dummy_value()
+
+    return types.void(array, types.intp), codegen
+
+
+# --- making and taking apart ----------------------------------------------------------------------
+
+
+def _splatter(result: VectorType):
+    @intrinsic
+    def splat(typingctx, x):
+        def codegen(context, builder, signature, args):
+            vector = ir.VectorType(_F32, result.lanes)
+            undefined = ir.Constant(vector, ir.Undefined)
+            one = builder.insert_element(undefined, args[0], _I32(0))
+            zeros = ir.Constant(ir.VectorType(_I32, result.lanes), [0] * result.lanes)
+            return builder.shuffle_vector(one, undefined, zeros)
+
+        return result(types.float32), codegen
+
+    return splat
+
+
+splat8, splat4 = _splatter(f32x8), _splatter(f32x4)
+
+
+@intrinsic
+def lane(typingctx, v, i):
+    """Lane `i` of a vector, as a float."""
+    if not _is_vector(v):
+        return None
+
+    def codegen(context, builder, signature, args):
+        return builder.extract_element(args[0], args[1])
+
+    return types.float32(v, types.int32), codegen
+
+
+@intrinsic
+def bits(typingctx, mask):
+    """A mask as an integer: bit k is lane k."""
+    if not _is_mask(mask):
+        return None
+
+    def codegen(context, builder, signature, args):
+        packed = builder.bitcast(args[0], ir.IntType(mask.lanes))
+        return builder.zext(packed, _I32)
+
+    return types.int32(mask), codegen
+
+
+@intrinsic
+def lowest_bit(typingctx, x):
+    """Number of the lowest set bit of a non-zero int32."""
+
+    def codegen(context, builder, signature, args):
+        return builder.cttz(args[0], _I1(1))
+
+    return types.int32(types.int32), codegen
+
+
+# --- arithmetic -----------------------------------------------------------------------------------
+
+
+def _binary(function, instruction: str):
+    @intrinsic
+    def operation(typingctx, a, b):
+        def codegen(context, builder, signature, args):
+            return getattr(builder, instruction)(*args, flags=_CONTRACT)
+
+        return a(a, b), codegen
+
+    @overload(function)
+    def typed(a, b):
+        if _is_vector(a, b):
+            return lambda a, b: operation(a, b)
+        return None
+
+
+def _comparison(function, predicate: str):
+    @intrinsic
+    def operation(typingctx, a, b):
+        def codegen(context, builder, signature, args):
+            return builder.fcmp_ordered(predicate, *args)
+
+        return _MASK_OF[a](a, b), codegen
+
+    @overload(function)
+    def typed(a, b):
+        if _is_vector(a, b):
+            return lambda a, b: operation(a, b)
+        return None
+
+
+def _mask_binary(function, instruction: str):
+    @intrinsic
+    def operation(typingctx, a, b):
+        def codegen(context, builder, signature, args):
+            return getattr(builder, instruction)(*args)
+
+        return a(a, b), codegen
+
+    @overload(function)
+    def typed(a, b):
+        if _is_mask(a, b):
+            return lambda a, b: operation(a, b)
+        return None
+
+
+for _function, _instruction in (
+    (operator.add, "fadd"),
+    (operator.sub, "fsub"),
+    (operator.mul, "fmul"),
+    (operator.truediv, "fdiv"),
+):
+    _binary(_function, _instruction)
+for _function, _predicate in (
+    (operator.lt, "<"),
+    (operator.le, "<="),
+    (operator.gt, ">"),
+    (operator.ge, ">="),
+    (operator.eq, "=="),
+):
+    _comparison(_function, _predicate)
+for _function, _instruction in ((operator.and_, "and_"), (operator.or_, "or_")):
+    _mask_binary(_function, _instruction)
+
+
+def _choice(predicate: str):
+    @intrinsic
+    def choose(typingctx, a, b):
+        if not _is_vector(a, b):
+            return None
+
+        def codegen(context, builder, signature, args):
+            return builder.select(builder.fcmp_ordered(predicate, *args), *args)
+
+        return a(a, b), codegen
+
+    return choose
+
+
+minimum, maximum = _choice("<"), _choice(">")
+
+
+@intrinsic
+def select(typingctx, mask, a, b):
+    """Lane by lane, `a` where the mask is set, else `b`."""
+    if not (_is_mask(mask) and _is_vector(a, b)):
+        return None
+
+    def codegen(context, builder, signature, args):
+        return builder.select(*args)
+
+    return a(mask, a, b), codegen
+
+
+def _unary(name: str):
+    @intrinsic
+    def operation(typingctx, a):
+        if not _is_vector(a):
+            return None
+
+        def codegen(context, builder, signature, args):
+            vector = args[0].type
+            kind = ir.FunctionType(vector, [vector])
+            function = cgutils.get_or_insert_function(builder.module, kind, f"llvm.{name}.v{a.lanes}f32")
+            return builder.call(function, args)
+
+        return a(a), codegen
+
+    return operation
+
+
+absolute, square_root = _unary("fabs"), _unary("sqrt")
+
+
+@intrinsic
+def exact_product_difference(typingctx, a, b, c, d):
+    """`a * b - c * d`, each operation rounded by itself, so that swapping (a, b) with (c, d) only flips the sign."""
+    if not _is_vector(a, b, c, d):
+        return None
+
+    def codegen(context, builder, signature, args):
+        left = builder.fmul(args[0], args[1])
+        right = builder.fmul(args[2], args[3])
+        return builder.fsub(left, right)
+
+    return a(a, b, c, d), codegen
