@@ -1,0 +1,59 @@
+"""What every reader and writer needs: bytes in, and a whole file or none out."""
+
+from __future__ import annotations
+
+import secrets
+from collections.abc import Iterator
+from contextlib import contextmanager
+from os import PathLike, replace
+from pathlib import Path
+from typing import TypeAlias
+
+from isophote.errors import FileError
+
+__all__ = ["StrPath", "read_bytes", "replacing", "write_bytes"]
+
+StrPath: TypeAlias = str | PathLike[str]
+
+
+def read_bytes(path: StrPath) -> bytes:
+    """Everything in a file. Raises `FileError` when it cannot be read."""
+    try:
+        return Path(path).read_bytes()
+    except (OSError, ValueError) as error:
+        raise FileError(path, f"cannot be read: {_reason(error)}") from error
+
+
+@contextmanager
+def replacing(path: StrPath) -> Iterator[Path]:
+    """A temporary file beside `path` that takes its place when the block ends without an exception.
+
+    A symbolic link stays and its target is replaced. Raises `FileError` when the folder cannot be written
+    and when `path` is something that is no plain file.
+    """
+    try:
+        target = Path(path).resolve()
+        if target.exists() and not target.is_file():
+            raise FileError(path, "cannot be written: it is a folder or a device")
+        # The ending stays, since some writers go by it.
+        temporary = target.with_name(f".{target.stem[:100]}.{secrets.token_hex(4)}{target.suffix}")
+        temporary.touch(exist_ok=False)
+    except (OSError, ValueError, RuntimeError) as error:
+        raise FileError(path, f"cannot be written: {_reason(error)}") from error
+    try:
+        yield temporary
+        replace(temporary, target)
+    except OSError as error:
+        raise FileError(path, f"cannot be written: {_reason(error)}") from error
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def write_bytes(path: StrPath, data: bytes) -> None:
+    """Write a whole file at once. Raises `FileError` when it cannot be written."""
+    with replacing(path) as temporary:
+        temporary.write_bytes(data)
+
+
+def _reason(error: Exception) -> str:
+    return (getattr(error, "strerror", None) or str(error) or type(error).__name__).lower()
