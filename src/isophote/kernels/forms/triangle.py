@@ -23,7 +23,7 @@ from isophote.kernels.base.simd import (
     splat4,
 )
 
-__all__ = ["Shear", "exact_hit", "hit_block", "shear"]
+__all__ = ["Shear", "hit_block", "shear"]
 
 _ZERO = np.float32(0)
 _ONE = np.float32(1)
