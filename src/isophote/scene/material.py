@@ -1,0 +1,106 @@
+"""Materials: what a surface does with light."""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+import attrs
+
+from isophote.scene.colour import WHITE, Colour, ColourLike
+from isophote.scene.colour import colour as as_colour
+from isophote.scene.fields import (
+    as_flag,
+    as_number,
+    finite,
+    fraction,
+    instance_of,
+    non_negative,
+    one_of,
+    optional,
+    positive,
+)
+from isophote.scene.texture import Texture
+
+__all__ = ["Emitter", "Glass", "Material", "Matte", "Mirror", "Principled"]
+
+_LIGHT_GREY: Colour = (0.8, 0.8, 0.8)
+_BLACK: Colour = (0.0, 0.0, 0.0)
+
+_texture = optional(instance_of("a Texture or None", Texture))
+
+
+def _colour_or_texture(value: ColourLike | Texture) -> Colour | Texture:
+    return value if isinstance(value, Texture) else as_colour(value)
+
+
+@attrs.frozen
+class Matte:
+    """Scatters light evenly to all sides: Lambert's f = colour / π, on both faces of the surface.
+
+    `colour` is the albedo, the reflected part of the light: a colour or a `Texture`.
+    """
+
+    colour: Colour | Texture = attrs.field(default=_LIGHT_GREY, converter=_colour_or_texture)
+
+
+@attrs.frozen
+class Mirror:
+    """Reflects light in the mirror direction, on both faces, times `colour` at every angle."""
+
+    colour: Colour = attrs.field(default=WHITE, converter=as_colour)
+
+
+@attrs.frozen
+class Glass:
+    """A smooth boundary between air and a clear solid: Fresnel reflection and refraction by Snell's law.
+
+    `ior` is the index of refraction inside the surface relative to outside, where inside is opposite the
+    normal; above 0, and may be below 1. `colour` multiplies what is reflected and what is transmitted.
+    """
+
+    ior: float = attrs.field(default=1.5, converter=as_number, validator=positive)
+    colour: Colour = attrs.field(default=WHITE, converter=as_colour)
+
+
+@attrs.frozen
+class Emitter:
+    """Shines with `radiance`, W/(m² sr) in each channel, evenly to all sides, and reflects nothing.
+
+    It shines on the side of the normal; with `two_sided` on both.
+    """
+
+    radiance: Colour = attrs.field(converter=as_colour)
+    two_sided: bool = attrs.field(default=False, converter=as_flag)
+
+
+@attrs.frozen
+class Principled:
+    """Everything that glTF's metallic-roughness material says; drawn as `Matte` of its base colour.
+
+    The base colour is `colour` times `colour_texture`, by channels; its fourth channel times `opacity` is
+    the opacity, used as `alpha_mode` says: not at all ("opaque"), cut at `alpha_cutoff` ("mask") or mixed
+    ("blend"). `metallic` and `roughness`, 0 to 1, are multiplied by the blue and green channels of
+    `metallic_roughness_texture`; `emission`, radiance in W/(m² sr), by `emission_texture`.
+    `normal_texture` holds tangent-space normals, whose x and y are scaled by `normal_scale`;
+    `occlusion_texture` darkens indirect light by its red channel, weighed by `occlusion_strength`.
+    Source: glTF 2.0, section 3.9, "Materials".
+    """
+
+    colour: Colour = attrs.field(default=_LIGHT_GREY, converter=as_colour)
+    metallic: float = attrs.field(default=0.0, converter=as_number, validator=fraction)
+    roughness: float = attrs.field(default=0.5, converter=as_number, validator=fraction)
+    emission: Colour = attrs.field(default=_BLACK, converter=as_colour)
+    opacity: float = attrs.field(default=1.0, converter=as_number, validator=fraction)
+    alpha_mode: str = attrs.field(default="opaque", validator=one_of("opaque", "mask", "blend"))
+    alpha_cutoff: float = attrs.field(default=0.5, converter=as_number, validator=non_negative)
+    two_sided: bool = attrs.field(default=False, converter=as_flag)
+    colour_texture: Texture | None = attrs.field(default=None, validator=_texture)
+    metallic_roughness_texture: Texture | None = attrs.field(default=None, validator=_texture)
+    normal_texture: Texture | None = attrs.field(default=None, validator=_texture)
+    normal_scale: float = attrs.field(default=1.0, converter=as_number, validator=finite)
+    occlusion_texture: Texture | None = attrs.field(default=None, validator=_texture)
+    occlusion_strength: float = attrs.field(default=1.0, converter=as_number, validator=fraction)
+    emission_texture: Texture | None = attrs.field(default=None, validator=_texture)
+
+
+Material: TypeAlias = Matte | Mirror | Glass | Emitter | Principled

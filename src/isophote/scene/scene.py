@@ -1,0 +1,156 @@
+"""Scenes: items, the lights on them, and a camera."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any, Protocol, TypeAlias, runtime_checkable
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from isophote.errors import SceneError
+from isophote.scene.camera import AnyCamera, Camera, OrthographicCamera
+from isophote.scene.fields import VectorLike, instance_of, optional
+from isophote.scene.light import AreaLight, Environment, Light, PointLight, Sky, Sun
+from isophote.scene.material import Emitter, Glass, Material, Matte, Mirror, Principled
+from isophote.scene.transform import Axis, Transform
+
+__all__ = ["Item", "Scene", "Shape", "is_shape"]
+
+Bounds: TypeAlias = npt.NDArray[np.float64]
+
+_name = optional(instance_of("a string or None", str))
+_camera = optional(instance_of("a Camera, an OrthographicCamera or None", Camera, OrthographicCamera))
+_material = instance_of(
+    "a material (Matte, Mirror, Glass, Emitter or Principled)", Matte, Mirror, Glass, Emitter, Principled
+)
+_LIGHTS = (PointLight, Sun, AreaLight, Sky, Environment)
+
+
+@runtime_checkable
+class Shape(Protocol):
+    """What can stand in a scene: a mesh, or any other shape with `bounds`."""
+
+    @property
+    def bounds(self) -> npt.NDArray[Any]:
+        """(2, 3): least and greatest corner of a box around the shape, infinite where it is endless."""
+
+
+def is_shape(value: object) -> bool:
+    """Whether a value is a shape, rather than an item, a scene or something else."""
+    return not isinstance(value, type | Item | Scene) and isinstance(value, Shape)
+
+
+def _shape(instance: Any, attribute: attrs.Attribute[Any], value: Any) -> None:
+    if not is_shape(value):
+        hint = "; load_mesh reads one from a file" if isinstance(value, str) else ""
+        raise SceneError(f"Item: shape must be a shape, such as a Mesh, but is {_described(value)}{hint}")
+
+
+def _described(value: object) -> str:
+    text = repr(value)
+    return text if len(text) <= 80 else f"a {type(value).__name__}"
+
+
+@attrs.frozen
+class Item:
+    """A shape in a scene, with what it is made of and where it stands.
+
+    Items whose `shape` is the same object share its geometry, so a thousand of them cost one. `transform`
+    takes the shape to world space; `name` is for people and files.
+    """
+
+    shape: Shape = attrs.field(validator=_shape)
+    material: Material = attrs.field(factory=Matte, validator=_material)
+    transform: Transform = attrs.field(factory=Transform.identity, validator=instance_of("a Transform", Transform))
+    name: str | None = attrs.field(default=None, validator=_name)
+
+    def at(self, position: VectorLike) -> Item:
+        """The item with its shape's origin at `position`, turned and scaled as it is."""
+        matrix = self.transform.matrix.copy()
+        matrix[:3, 3] = 0
+        return self.with_(transform=Transform(matrix).translate(position))
+
+    def translate(self, offset: VectorLike) -> Item:
+        """The item moved by `offset`."""
+        return self.with_(transform=self.transform.translate(offset))
+
+    def rotate(self, axis: Axis, angle: float) -> Item:
+        """The item turned about the world's origin; see `Transform.rotate`."""
+        return self.with_(transform=self.transform.rotate(axis, angle))
+
+    def scale(self, factor: float | VectorLike) -> Item:
+        """The item scaled about the world's origin; see `Transform.scale`."""
+        return self.with_(transform=self.transform.scale(factor))
+
+    def with_(self, **changes: Any) -> Item:
+        """The item with other fields."""
+        return attrs.evolve(self, **changes)
+
+    @property
+    def bounds(self) -> Bounds:
+        """(2, 3): a box in world space around the shape's own box, placed."""
+        return _placed_box(np.asarray(self.shape.bounds, np.float64), self.transform.matrix)
+
+
+def _placed_box(box: Bounds, matrix: npt.NDArray[np.float64]) -> Bounds:
+    """Box around a placed box, axis by axis. Source: Arvo, "Transforming axis-aligned bounding boxes", 1990."""
+    linear, offset = matrix[:3, :3], matrix[:3, 3]
+    # A zero entry ignores its axis, even where the box is infinite along it.
+    reach = np.zeros((2, 3, 3))
+    np.multiply(linear, box[:, None, :], out=reach, where=(linear != 0)[None])
+    bounds: Bounds = np.stack([reach.min(axis=0).sum(axis=1), reach.max(axis=0).sum(axis=1)]) + offset
+    return bounds
+
+
+def _items(value: Sequence[Item]) -> tuple[Item, ...]:
+    members: tuple[Item, ...] = _members(value, "items", (Item,), "an Item")
+    return members
+
+
+def _lights(value: Sequence[Light]) -> tuple[Light, ...]:
+    members: tuple[Light, ...] = _members(value, "lights", _LIGHTS, "a light (PointLight, Sun, RectLight, Sky, ...)")
+    return members
+
+
+def _members(value: Any, field: str, kinds: tuple[type, ...], wanted: str) -> Any:
+    if isinstance(value, kinds):
+        raise SceneError(f"Scene: {field} must be a list, but is one {type(value).__name__}; write [...] around it")
+    if isinstance(value, str | bytes) or not isinstance(value, Iterable):
+        raise SceneError(f"Scene: {field} must be a list, but is {_described(value)}")
+    members = tuple(value)
+    for index, member in enumerate(members):
+        if not isinstance(member, kinds):
+            hint = "; wrap a shape in Item(...)" if kinds == (Item,) and is_shape(member) else ""
+            raise SceneError(f"Scene: {field}[{index}] must be {wanted}, but is {_described(member)}{hint}")
+    return members
+
+
+@attrs.frozen
+class Scene:
+    """All that a picture shows: `items`, `lights`, and the `camera` that looks at them, if there is one.
+
+    Items with an `Emitter` material shine too. Raises `SceneError` for members of other types.
+    """
+
+    items: tuple[Item, ...] = attrs.field(converter=_items)
+    lights: tuple[Light, ...] = attrs.field(default=(), converter=_lights)
+    camera: AnyCamera | None = attrs.field(default=None, validator=_camera)
+    name: str | None = attrs.field(default=None, validator=_name)
+
+    @property
+    def bounds(self) -> Bounds:
+        """(2, 3): a box in world space around all items; raises `SceneError` where there are none."""
+        if not self.items:
+            raise SceneError("a scene without items has no bounds")
+        boxes: dict[int, Bounds] = {}
+        for item in self.items:
+            if id(item.shape) not in boxes:
+                boxes[id(item.shape)] = np.asarray(item.shape.bounds, np.float64)
+        placed = np.stack([_placed_box(boxes[id(item.shape)], item.transform.matrix) for item in self.items])
+        return np.stack([placed[:, 0].min(axis=0), placed[:, 1].max(axis=0)])
+
+    def with_(self, **changes: Any) -> Scene:
+        """The scene with other fields: `scene.with_(camera=...)`."""
+        return attrs.evolve(self, **changes)
