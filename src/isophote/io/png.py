@@ -21,9 +21,7 @@ __all__ = ["display_bytes", "encode_png", "write_png"]
 _MAGENTA = (255, 0, 255)
 
 
-def write_png(
-    path: StrPath, colour: npt.NDArray[np.floating[Any]], metadata: Mapping[str, str] | None = None
-) -> None:
+def write_png(path: StrPath, colour: npt.NDArray[np.floating[Any]], metadata: Mapping[str, str] | None = None) -> None:
     """Write a picture as an 8-bit sRGB PNG, whole or not at all.
 
     `colour` is (h, w, 3) linear, or (h, w, 4) with straight alpha, which is stored without the curve.
@@ -63,7 +61,7 @@ def display_bytes(colour: npt.NDArray[np.floating[Any]]) -> npt.NDArray[np.uint8
     known = np.nan_to_num(colour, posinf=1.0, neginf=0.0) if not np.isfinite(colour).all() else colour
     levels = to_srgb_bytes(known)
     if colour.shape[2] == 4:
-        alpha = np.clip(known[..., 3].astype(np.float64), 0, 1)
+        alpha = np.clip(known[..., 3].astype(np.float64), 0.0, 1.0)
         levels[..., 3] = np.floor(alpha * 255.0 + 0.5).astype(np.uint8)
     if undefined.any():
         y, x = np.argwhere(undefined)[0]
