@@ -45,6 +45,8 @@ __all__ = [
     "store8",
     "store_float",
     "store_int",
+    "swap_triples",
+    "triples",
 ]
 
 _F32, _I32, _I8, _I1 = ir.FloatType(), ir.IntType(32), ir.IntType(8), ir.IntType(1)
@@ -309,6 +311,26 @@ def select(typingctx, mask, a, b):
         return builder.select(*args)
 
     return a(mask, a, b), codegen
+
+
+def _triples(first: int, second: int):
+    @intrinsic
+    def shuffle(typingctx, v):
+        if v != f32x8:
+            return None
+
+        def codegen(context, builder, signature, args):
+            zeros = ir.Constant(args[0].type, [0.0] * 8)
+            pattern = [first, first + 1, first + 2, 8, second, second + 1, second + 2, 8]
+            return builder.shuffle_vector(args[0], zeros, ir.Constant(ir.VectorType(_I32, 8), pattern))
+
+        return v(v), codegen
+
+    return shuffle
+
+
+# Eight floats as two triples, (x, y, z, -, x', y', z', -): lanes 3 and 7 made zero, and the triples exchanged too.
+triples, swap_triples = _triples(0, 4), _triples(4, 0)
 
 
 def _unary(name: str):
