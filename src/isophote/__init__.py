@@ -22,6 +22,7 @@ _HOME = {
     "FileError": "errors",
     "GeometryError": "errors",
     "Glass": "scene.material",
+    "Image": "render.image",
     "IsophoteWarning": "errors",
     "Item": "scene.scene",
     "Matte": "scene.material",
@@ -39,6 +40,8 @@ _HOME = {
     "Sun": "scene.light",
     "Texture": "scene.texture",
     "Transform": "scene.transform",
+    "load_image": "render.image",
+    "load_texture": "io.texture_file",
     "studio": "scene.studio",
     "triangulate": "convert.triangulate",
 }
