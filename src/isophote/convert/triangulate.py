@@ -15,6 +15,9 @@ __all__ = ["Triangles", "triangulate"]
 Points: TypeAlias = npt.NDArray[np.float64]
 Corners: TypeAlias = npt.NDArray[np.int64]
 
+# Diagonals of about the same length are one length: rounding must not choose between those of a square.
+_CLEARLY = 1 - 1e-9
+
 
 class Triangles(NamedTuple):
     """The triangles of a mesh, face by face in the mesh's order, each turned as its face is.
@@ -71,16 +74,25 @@ def _cut_quads(vertices: Points, indices: npt.NDArray[np.int32], own: Corners) -
 
     A diagonal lies inside where both of its triangles turn as the whole quad does.
     """
-    p = vertices[indices[own]]
+    p = _unit_sized(vertices[indices[own]])
     normal = np.cross(p[:, 2] - p[:, 0], p[:, 3] - p[:, 1])
-    turn = np.stack([_turns(p, normal, k) for k in range(4)], axis=1)
+    turn = np.stack([_turns(p, normal, k) for k in range(4)])
     # The diagonal 0-2 makes triangles with their tips at 1 and 3, the diagonal 1-3 with theirs at 2 and 0.
-    first, second = np.minimum(turn[:, 1], turn[:, 3]), np.minimum(turn[:, 0], turn[:, 2])
-    shorter = _squares(p[:, 1] - p[:, 3]) < _squares(p[:, 0] - p[:, 2])
+    first, second = np.minimum(turn[1], turn[3]), np.minimum(turn[0], turn[2])
+    shorter = _squares(p[:, 1] - p[:, 3]) < _CLEARLY * _squares(p[:, 0] - p[:, 2])
     both = (first > 0) & (second > 0)
     other = np.where(both, shorter, second > first)
-    pattern = np.where(other[:, None, None], [[0, 1, 3], [1, 2, 3]], [[0, 1, 2], [0, 2, 3]])
-    return np.take_along_axis(own, pattern.reshape(-1, 6), axis=1).reshape(-1, 2, 3)
+    pattern = np.where(other[:, None], [0, 1, 3, 1, 2, 3], [0, 1, 2, 0, 2, 3])
+    return np.take_along_axis(own, pattern, axis=1).reshape(-1, 2, 3)
+
+
+def _unit_sized(quads: Points) -> Points:
+    """Quads moved to the origin and scaled to about 1, so that no product over- or underflows."""
+    moved = quads * 0.5
+    moved -= moved[:, :1].copy()
+    extent = np.abs(moved).max(axis=(1, 2), keepdims=True)
+    moved /= np.where(extent > 0, extent, 1.0)
+    return moved
 
 
 def _turns(p: Points, normal: Points, k: int) -> Points:
