@@ -2,14 +2,28 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple, TypeAlias
+import os
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from isophote.errors import GeometryError
 from isophote.kernels.accel import build, build_wide
-from isophote.kernels.accel.layout import BLOCK, LANES, MAX_BLOCKS, NODE
+from isophote.kernels.accel.layout import (
+    BLOCK,
+    CHILD,
+    LANES,
+    LOWER,
+    MAX_BLOCKS,
+    MAX_DEPTH,
+    NODE,
+    UPPER,
+    WIDTH,
+)
 
 __all__ = ["Tree", "build_boxes", "build_triangles"]
 
@@ -40,7 +54,11 @@ class _Kind(NamedTuple):
     block_cost: np.float32
 
 
-_TRIANGLES = _Kind(LANES, 4, 8, np.float32(0), np.float32(1))
+# Nodes with more items are split by all threads together; those with fewer are one thread's work. Longer runs of
+# anything else are cut into pieces of this length. Fixed: it must not depend on the number of threads.
+_GRAIN = 1 << 16
+
+_TRIANGLES = _Kind(LANES, 4, 12, np.float32(0.6), np.float32(0.25))
 _BOXES = _Kind(1, 1, MAX_BLOCKS, np.float32(0), np.float32(8))
 
 
@@ -59,18 +77,25 @@ def build_triangles(positions: npt.ArrayLike, triangles: npt.ArrayLike, threads:
         raise GeometryError("positions must be finite in single precision, within 3.4e38")
     if corners.min() < 0 or corners.max() >= len(points) // 3:
         raise GeometryError(f"triangles name positions outside 0 to {len(points) // 3 - 1}")
-    records = np.empty(2 * count * build.RECORD, np.float32)
-    found = np.empty((1, 16), np.float32)
-    build.triangle_records(points, corners, records, 0, count, found[0])
-    nodes, slots, bounds = _build(records, count, found, _TRIANGLES)
-    del records
-    blocks = np.empty(len(slots) // LANES * BLOCK, np.float32)
-    build_wide.fill_blocks(points, corners, slots, blocks, 0, len(slots))
-    return Tree(nodes, blocks, bounds)
+    with _crew(threads, count) as run:
+        records = np.empty(2 * count * build.RECORD, np.float32)
+        pieces = list(_pieces(0, count))
+        found = np.empty((len(pieces), 16), np.float32)
+        run(build.triangle_records, [(points, corners, records, *p, found[i]) for i, p in enumerate(pieces)])
+        whole = found.min(axis=0)
+        skeleton = _grow(run, records, count, whole, _TRIANGLES)
+        del records
+        nodes, slots = _lay_out(run, skeleton, _TRIANGLES)
+        blocks = np.empty(len(slots) // LANES * BLOCK, np.float32)
+        run(build_wide.fill_blocks, [(points, corners, slots, blocks, *p) for p in _pieces(0, len(slots))])
+    return Tree(nodes, blocks, _bounds(whole))
 
 
 def build_boxes(lower: npt.ArrayLike, upper: npt.ArrayLike) -> Tree:
-    """The tree of the boxes from `lower` to `upper`, both (k, 3) float32."""
+    """The tree of the boxes from `lower` to `upper`, both (k, 3) float32.
+
+    Raises `GeometryError` where a box is not finite or its lower corner lies above its upper one.
+    """
     least = np.asarray(lower, np.float32).reshape(-1, 3)
     greatest = np.asarray(upper, np.float32).reshape(-1, 3)
     count = len(least)
@@ -82,43 +107,189 @@ def build_boxes(lower: npt.ArrayLike, upper: npt.ArrayLike) -> Tree:
     records[:count, 0:3] = least
     records[:count, 4:7] = -greatest
     records.view(np.int32)[:count, 3] = np.arange(count)
-    found = np.zeros((1, 16), np.float32)
-    found[0, 0:3] = least.min(axis=0)
-    found[0, 4:7] = -greatest.max(axis=0)
-    doubled = least + greatest
-    found[0, 8:11] = doubled.min(axis=0)
-    found[0, 12:15] = -doubled.max(axis=0)
-    nodes, items, bounds = _build(records.reshape(-1), count, found, _BOXES)
-    return Tree(nodes, items, bounds)
+    with np.errstate(over="ignore"):
+        doubled = least + greatest
+    whole = np.zeros(16, np.float32)
+    for start, rows in ((0, least), (4, -greatest), (8, doubled), (12, -doubled)):
+        whole[start : start + 3] = rows.min(axis=0)
+    with _crew(1, count) as run:
+        skeleton = _grow(run, records.reshape(-1), count, whole, _BOXES)
+        nodes, items = _lay_out(run, skeleton, _BOXES)
+    return Tree(nodes, items, _bounds(whole))
 
 
 def _nothing(blocks: FloatArray | IntArray) -> Tree:
     """A root without children."""
     nodes = np.zeros(NODE, np.float32)
-    nodes[:24], nodes[24:48] = np.inf, -np.inf
-    bounds = np.array([[np.inf] * 3, [-np.inf] * 3], np.float32)
-    return Tree(nodes, blocks, bounds)
+    nodes[LOWER:UPPER], nodes[UPPER:CHILD] = np.inf, -np.inf
+    return Tree(nodes, blocks, np.array([[np.inf] * 3, [-np.inf] * 3], np.float32))
 
 
-def _build(records: FloatArray, count: int, found: FloatArray, kind: _Kind) -> tuple[FloatArray, IntArray, FloatArray]:
-    """Nodes, slots and bounds."""
-    whole = found.min(axis=0)
-    binary = np.empty(2 * count * build.RECORD, np.float32)
-    children = np.empty(2 * count, np.int32)
-    order = np.empty(count, np.int32)
-    costs = np.empty(2 * count * 8, np.float32)
-    binary[:8] = whole[:8]
-    binary.view(np.int32)[[3, 7]] = 0, count
-    end = build.build_subtree(
-        records, binary, children, order, count, 0, 1, 0, 0, kind.lanes, kind.smallest, whole[8:].copy()
+def _bounds(whole: FloatArray) -> FloatArray:
+    return np.stack([whole[0:3], -whole[4:7]])
+
+
+_Run: TypeAlias = Callable[[Callable[..., Any], Iterable[tuple[Any, ...]]], list[Any]]
+
+
+@contextmanager
+def _crew(threads: int | None, count: int) -> Iterator[_Run]:
+    """A function that calls another once for each tuple of arguments, on `threads` threads where it is worth it."""
+    if threads is None:
+        threads = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    if threads == 1 or count < _GRAIN // 4:
+        yield lambda function, jobs: [function(*job) for job in jobs]
+        return
+    with ThreadPoolExecutor(threads) as pool:
+        yield lambda function, jobs: list(pool.map(lambda job: function(*job), jobs))
+
+
+def _pieces(begin: int, end: int) -> Iterator[tuple[int, int]]:
+    for at in range(begin, end, _GRAIN):
+        yield at, min(at + _GRAIN, end)
+
+
+class _Branch(NamedTuple):
+    """A node near the root: its range of items, its level, and the bounds of its boxes and of their centres."""
+
+    first: int
+    count: int
+    depth: int
+    bounds: FloatArray
+
+
+class _Skeleton(NamedTuple):
+    """A binary tree: records of nodes, first children, costs of collapsing, and the items in the leaves' order."""
+
+    nodes: FloatArray
+    children: IntArray
+    costs: FloatArray
+    order: IntArray
+
+
+def _grow(run: _Run, records: FloatArray, count: int, whole: FloatArray, kind: _Kind) -> _Skeleton:
+    """The binary tree over `count` records: large nodes split by all threads, the rest a subtree a thread."""
+    branches, links = _split_large(run, records, count, whole, kind)
+    size = len(branches) + 2 * count
+    nodes, costs = np.empty(size * build.RECORD, np.float32), np.empty(size * WIDTH, np.float32)
+    children, order = np.empty(size, np.int32), np.empty(count, np.int32)
+    children[: len(links)] = links
+    rows = nodes.reshape(-1, build.RECORD)
+    for node, branch in enumerate(branches):
+        rows[node] = branch.bounds[:8]
+        rows.view(np.int32)[node, [3, 7]] = branch.first, branch.count
+
+    def subtree(node: int) -> None:
+        first, _, depth, bounds = branches[node]
+        free = len(branches) + 2 * first
+        end = build.build_subtree(
+            records, nodes, children, order, count, node, free, depth, kind.lanes, kind.smallest, bounds[8:]
+        )
+        build_wide.collapse_costs(nodes, children, costs, free, end, *kind[:1], *kind[2:])
+
+    small = [node for node, link in enumerate(links) if link == 0]
+    small.sort(key=lambda node: -branches[node].count)
+    run(subtree, [(node,) for node in small])
+    build_wide.collapse_costs(nodes, children, costs, 0, len(branches), *kind[:1], *kind[2:])
+    return _Skeleton(nodes, children, costs, order)
+
+
+def _split_large(
+    run: _Run, records: FloatArray, count: int, whole: FloatArray, kind: _Kind
+) -> tuple[list[_Branch], list[int]]:
+    """Split nodes until none is larger than the grain, level by level: (nodes, first child of each or 0)."""
+    branches, links = [_Branch(0, count, 0, whole)], [0]
+    level = [0] if count > _GRAIN else []
+    while level:
+        pieces = [list(_pieces(*_range(branches[node], count))) for node in level]
+        found = iter(_split_level(run, records, count, [branches[node] for node in level], pieces, kind))
+        following = []
+        for node in level:
+            links[node] = len(branches)
+            for branch in next(found):
+                if branch.count > _GRAIN:
+                    following.append(len(branches))
+                branches.append(branch)
+                links.append(0)
+        level = following
+    return branches, links
+
+
+def _range(branch: _Branch, count: int) -> tuple[int, int]:
+    """Where a node's records lie: even levels in the first half."""
+    start = branch.first + branch.depth % 2 * count
+    return start, start + branch.count
+
+
+def _split_level(
+    run: _Run,
+    records: FloatArray,
+    count: int,
+    level: list[_Branch],
+    pieces: list[list[tuple[int, int]]],
+    kind: _Kind,
+) -> list[tuple[_Branch, _Branch]]:
+    """The two children of each node of a level."""
+    tables = [np.empty((len(parts), build.TABLE), np.float32) for parts in pieces]
+    run(
+        build.bin_range,
+        [
+            (records, *part, branch.bounds[8:], table[i])
+            for branch, parts, table in zip(level, pieces, tables, strict=True)
+            for i, part in enumerate(parts)
+        ],
     )
-    choice = kind.lanes, kind.most, kind.leaf_cost, kind.block_cost
-    build_wide.collapse_costs(binary, children, costs, 0, end, *choice)
-    no_floats, no_ints, tasks = np.empty(0, np.float32), np.empty(0, np.int32), np.empty(0, np.int64)
-    tree = binary, children, costs, order
-    nodes_count, blocks_count, _ = build_wide.lay_out(*tree, no_floats, no_ints, tasks, 0, -1, 0, 0, -1, *choice)
-    nodes = np.empty(nodes_count * NODE, np.float32)
-    slots = np.empty(blocks_count * kind.lanes, np.int32)
-    build_wide.lay_out(*tree, nodes, slots, tasks, 0, -1, 0, 0, -1, *choice)
-    bounds = np.stack([whole[0:3], -whole[4:7]])
-    return nodes, slots, bounds
+    found = [np.empty((len(parts), 32), np.float32) for parts in pieces]
+    jobs, left_counts = [], []
+    for branch, parts, table, sides in zip(level, pieces, tables, found, strict=True):
+        start, end = _range(branch, count)
+        counts = table.view(np.int32)[:, build.COUNTS : build.COUNTS + 3 * build.BINS].copy()
+        axis, plane = build.choose_split(table.reshape(-1), len(parts), branch.depth, branch.count, kind.lanes)
+        middle = 0
+        if axis < 0:
+            axis, plane, middle = 0, 0, start + branch.count // 2
+            left = [max(min(b, middle) - a, 0) for a, b in parts]
+        else:
+            left = counts[:, axis * build.BINS : axis * build.BINS + plane].sum(axis=1).tolist()
+        low = branch.first + (branch.depth + 1) % 2 * count
+        high = low + branch.count
+        for i, (a, b) in enumerate(parts):
+            jobs.append((records, a, b, low, high, axis, plane, middle, branch.bounds[8:], sides[i]))
+            low += left[i]
+            high -= b - a - left[i]
+        left_counts.append(sum(left))
+    run(build.split_range, jobs)
+    children = []
+    for branch, sides, left_count in zip(level, found, left_counts, strict=True):
+        boxes = sides.min(axis=0).reshape(4, 8)
+        right_count = branch.count - left_count
+        children.append(
+            (
+                _Branch(branch.first, left_count, branch.depth + 1, boxes[[0, 2]].reshape(-1)),
+                _Branch(branch.first + left_count, right_count, branch.depth + 1, boxes[[1, 3]].reshape(-1)),
+            )
+        )
+    return children
+
+
+def _lay_out(run: _Run, skeleton: _Skeleton, kind: _Kind) -> tuple[FloatArray, IntArray]:
+    """Nodes and slots: the wide nodes near the root, then every subtree below them by itself."""
+    choice = kind[:1] + kind[2:]
+    nodes, slots = np.empty(0, np.float32), np.empty(0, np.int32)
+    tasks = np.empty((8 * (MAX_DEPTH + 2) * (1 + len(skeleton.order) // _GRAIN), 2), np.int64)
+
+    def write(root: int, parent: int, number: int, block: int) -> tuple[int, int, int]:
+        written: tuple[int, int, int] = build_wide.lay_out(
+            *skeleton, nodes, slots, tasks.reshape(-1), root, parent, number, block, _GRAIN, *choice
+        )
+        return written
+
+    number, _, task_count = write(0, -1, 0, 0)
+    roots = tasks[:task_count].tolist()
+    sizes = run(write, [(node, word, 0, 0) for node, word in roots])
+    starts = np.cumsum([(number, 0), *((size[0], size[1]) for size in sizes)], axis=0).tolist()
+    nodes = np.empty(starts[-1][0] * NODE, np.float32)
+    slots = np.empty(starts[-1][1] * kind.lanes, np.int32)
+    write(0, -1, 0, 0)
+    run(write, [(*root, *start) for root, start in zip(roots, starts[:-1], strict=True)])
+    return nodes, slots

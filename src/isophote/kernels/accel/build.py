@@ -5,9 +5,9 @@ words, (lower x, y, z, number, -upper x, y, z, unused): one `minimum` unites two
 the centre. A node of the binary tree is such a record too, with the first of its items in the place of the number
 and their count in the last word; its children lie side by side, at `children[node]` (0: a leaf) and the next.
 
-A split moves the node's records from one half of `records` to the other, those of the left child upward from the
-start of the node's range, those of the right child downward from its end. So the result does not depend on how the
-range is cut into pieces for threads.
+A split moves the node's records from one half of `records` to the other (even levels lie in the first half), those
+of the left child upward from the start of the node's range, those of the right child downward from its end. So the
+result does not depend on how the range is cut into pieces for threads.
 """
 
 from __future__ import annotations
@@ -31,13 +31,23 @@ from isophote.kernels.base.simd import (
     triples,
 )
 
-__all__ = ["RECORD", "TABLE", "bin_range", "build_subtree", "choose_split", "split_range", "triangle_records"]
+__all__ = [
+    "BINS",
+    "COUNTS",
+    "RECORD",
+    "TABLE",
+    "bin_range",
+    "build_subtree",
+    "choose_split",
+    "split_range",
+    "triangle_records",
+]
 
 RECORD = 8
 BINS = 16
 # A table of bins: three axes of BINS boxes, then as many counts, then one row of areas.
-_COUNTS = 3 * BINS * RECORD
-_AREAS = _COUNTS + 3 * BINS
+COUNTS = 3 * BINS * RECORD
+_AREAS = COUNTS + 3 * BINS
 TABLE = _AREAS + BINS
 # Deepest level of the binary tree. Where a surface area split could lead below it, nodes are halved by number.
 _DEEPEST = MAX_DEPTH - 2
@@ -46,7 +56,7 @@ _INFINITY = np.float32(np.inf)
 _ZERO = np.float32(0)
 _LAST = np.float32(BINS - 1)
 _X, _Y, _Z = np.int32(0), np.int32(1), np.int32(2)
-# Words of a stack entry: node, half of the records, level, one unused, then the bounds of the centres.
+# Words of a stack entry: node, level, six unused, then the bounds of the centres.
 _ENTRY = 16
 
 
@@ -76,13 +86,13 @@ def clear_bins(table):
     """Empty boxes and no counts."""
     for k in range(3 * BINS):
         store8(table, k * RECORD, splat8(_INFINITY))
-        store_int(table, _COUNTS + k, np.int32(0))
+        store_int(table, COUNTS + k, np.int32(0))
 
 
 @device
 def _into_bin(table, k, record):
     store8(table, k * RECORD, minimum(load8(table, k * RECORD), record))
-    store_int(table, _COUNTS + k, load_int(table, _COUNTS + k) + np.int32(1))
+    store_int(table, COUNTS + k, load_int(table, COUNTS + k) + np.int32(1))
 
 
 @device
@@ -108,14 +118,14 @@ def best_split(table, lanes):
         count = np.int64(0)
         for plane in range(BINS - 1, 0, -1):
             box = minimum(box, load8(table, (row + plane) * RECORD))
-            count += np.int64(load_int(table, _COUNTS + row + plane))
+            count += np.int64(load_int(table, COUNTS + row + plane))
             blocks = (count + (lanes - 1)) // lanes
             store_float(table, _AREAS + plane, half_area(box) * np.float32(blocks))
         box = splat8(_INFINITY)
         count = np.int64(0)
         for plane in range(1, BINS):
             box = minimum(box, load8(table, (row + plane - 1) * RECORD))
-            count += np.int64(load_int(table, _COUNTS + row + plane - 1))
+            count += np.int64(load_int(table, COUNTS + row + plane - 1))
             blocks = (count + (lanes - 1)) // lanes
             # An empty side costs infinity times zero, which is not less than anything.
             cost = half_area(box) * np.float32(blocks) + load_float(table, _AREAS + plane)
@@ -208,15 +218,17 @@ def bin_range(records, begin, end, centres, table):
 
 
 @kernel
-def choose_split(tables, parts, lanes):
-    """Unite `parts` tables of bins into the first, and return the best split (axis, plane)."""
+def choose_split(tables, parts, depth, node_count, lanes):
+    """Unite `parts` tables of bins into the first; the best split (axis, plane) of a node, (-1, 0): halve it."""
     for part in range(1, parts):
         start = part * TABLE
         for k in range(3 * BINS):
             at = k * RECORD
             store8(tables, at, minimum(load8(tables, at), load8(tables, start + at)))
-            count = load_int(tables, _COUNTS + k) + load_int(tables, start + _COUNTS + k)
-            store_int(tables, _COUNTS + k, count)
+            count = load_int(tables, COUNTS + k) + load_int(tables, start + COUNTS + k)
+            store_int(tables, COUNTS + k, count)
+    if too_deep(depth, node_count):
+        return -1, 0
     return best_split(tables, lanes)
 
 
@@ -227,28 +239,26 @@ def split_range(records, begin, end, target_left, target_right, axis, plane, mid
 
 
 @kernel
-def build_subtree(records, nodes, children, order, item_count, root, free, depth, half, lanes, largest, centres):
+def build_subtree(records, nodes, children, order, item_count, root, free, depth, lanes, largest, centres):
     """Build the binary tree below node `root`, whose box and range are there, into nodes from `free` on.
 
-    `records` holds two halves of `item_count` records; those of the root lie in the half `half`. Leaves have
-    `largest` items at most, and `order` takes the numbers of all items. Returns the number after the last node.
+    `records` holds two halves of `item_count` records. Leaves have `largest` items at most, and `order` takes the
+    numbers of all items. Returns the number after the last node.
     """
     stack = np.empty(_ENTRY * (_DEEPEST + 4), np.float32)
     table = np.empty(TABLE, np.float32)
     found = np.empty(32, np.float32)
     store_int(stack, 0, np.int32(root))
-    store_int(stack, 1, np.int32(half))
-    store_int(stack, 2, np.int32(depth))
+    store_int(stack, 1, np.int32(depth))
     store8(stack, 8, load8(centres, 0))
     top = _ENTRY
     while top > 0:
         top -= _ENTRY
         node = np.int64(load_int(stack, top))
-        side = np.int64(load_int(stack, top + 1))
-        level = np.int64(load_int(stack, top + 2))
+        level = np.int64(load_int(stack, top + 1))
         first = np.int64(load_int(nodes, node * RECORD + 3))
         count = np.int64(load_int(nodes, node * RECORD + 7))
-        start = first + side * item_count
+        start = first + (level & 1) * item_count
         if count <= largest:
             children[node] = 0
             for i in range(count):
@@ -263,7 +273,7 @@ def build_subtree(records, nodes, children, order, item_count, root, free, depth
             axis, plane = best_split(table, lanes)
         if axis < 0:
             axis, plane, middle = 0, 0, start + count // 2
-        target = first + (1 - side) * item_count
+        target = first + (1 - (level & 1)) * item_count
         store8(table, 0, bounds)
         end, _ = move_records(records, start, start + count, target, target + count, axis, plane, middle, table, found)
         left_count = end - target
@@ -272,8 +282,7 @@ def build_subtree(records, nodes, children, order, item_count, root, free, depth
         children[node] = free
         for child in (1, 0):
             store_int(stack, top, np.int32(free + child))
-            store_int(stack, top + 1, np.int32(1 - side))
-            store_int(stack, top + 2, np.int32(level + 1))
+            store_int(stack, top + 1, np.int32(level + 1))
             store8(stack, top + 8, load8(found, 16 + 8 * child))
             top += _ENTRY
         free += 2

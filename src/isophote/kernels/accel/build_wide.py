@@ -106,8 +106,8 @@ def _clear_node(wide, base):
     for k in range(UPPER):
         store_float(wide, base + LOWER + k, _INFINITY)
         store_float(wide, base + UPPER + k, -_INFINITY)
-    for k in range(WIDTH):
-        store_int(wide, base + CHILD + k, np.int32(0))
+    for k in range(CHILD, NODE):
+        store_int(wide, base + k, np.int32(0))
 
 
 @device
