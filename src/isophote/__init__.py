@@ -41,7 +41,9 @@ _HOME = {
     "Texture": "scene.texture",
     "Transform": "scene.transform",
     "load_image": "render.image",
+    "load_mesh": "io.mesh_file",
     "load_texture": "io.texture_file",
+    "save": "io.save",
     "studio": "scene.studio",
     "triangulate": "convert.triangulate",
 }

@@ -1,0 +1,35 @@
+"""Writing anything to a file by its ending."""
+
+from __future__ import annotations
+
+from functools import singledispatch
+
+from isophote.errors import FileError
+from isophote.io.files import StrPath
+from isophote.io.mesh_file import save_mesh
+from isophote.shapes.mesh import Mesh
+
+__all__ = ["save"]
+
+
+@singledispatch
+def save(thing: object, path: StrPath, **options: object) -> None:
+    """Write a thing to a file, in the format that the ending of its name tells; whole, or not at all.
+
+    A `Mesh` goes to .ply, .stl, .obj and .off, and with a further .gz packed by gzip. Options by name:
+    `binary` (PLY and STL, true by default), `endian` (PLY, "little" or "big").
+
+    Raises `FileError` for endings that are not known for this thing, for what the format cannot hold
+    and where the file cannot be written. What a format merely has no place for is left out, with an
+    `IsophoteWarning`.
+    """
+    raise FileError(path, f"a {type(thing).__name__} cannot be saved; Isophote saves {_known()}")
+
+
+@save.register
+def _(thing: Mesh, path: StrPath, **options: object) -> None:
+    save_mesh(thing, path, **options)
+
+
+def _known() -> str:
+    return ", ".join(sorted(kind.__name__ for kind in save.registry if kind is not object))
