@@ -22,7 +22,10 @@ import operator
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
-from numba.extending import intrinsic, models, overload, register_model
+from numba.core.typing.templates import AbstractTemplate, infer_global, signature
+from numba.extending import intrinsic, lower_builtin, models, register_model
+
+from isophote.kernels.base.table import ViewType
 
 __all__ = [
     "absolute",
@@ -104,7 +107,10 @@ def _address(context, builder, array_type, array, index, element):
 
 
 def _is_words(array) -> bool:
-    return isinstance(array, types.Array) and array.layout == "C" and array.dtype.bitwidth == 32
+    """Whether a type is that of a contiguous array, or of a view, of 32-bit elements."""
+    if isinstance(array, types.Array):
+        return array.layout == "C" and array.dtype.bitwidth == 32
+    return isinstance(array, ViewType) and array.dtype.bitwidth == 32
 
 
 def _loader(result: types.Type, element: ir.Type):
@@ -220,49 +226,29 @@ def lowest_bit(typingctx, x):
 # --- arithmetic -----------------------------------------------------------------------------------
 
 
-def _binary(function, instruction: str):
-    @intrinsic
-    def operation(typingctx, a, b):
-        def codegen(context, builder, signature, args):
-            return getattr(builder, instruction)(*args, flags=_CONTRACT)
+def _operator(function, matches, result, lower, *classes) -> None:
+    """Give an operator to pairs of our types: `result` is of the type told by the first, `lower` makes the value."""
 
-        return a(a, b), codegen
+    @infer_global(function)
+    class Typing(AbstractTemplate):
+        def generic(self, args, kws):
+            return signature(result(args[0]), *args) if len(args) == 2 and matches(*args) else None
 
-    @overload(function)
-    def typed(a, b):
-        if _is_vector(a, b):
-            return lambda a, b: operation(a, b)
-        return None
+    @lower_builtin(function, *classes)
+    def codegen(context, builder, sig, args):
+        return lower(builder, *args)
 
 
-def _comparison(function, predicate: str):
-    @intrinsic
-    def operation(typingctx, a, b):
-        def codegen(context, builder, signature, args):
-            return builder.fcmp_ordered(predicate, *args)
-
-        return _MASK_OF[a](a, b), codegen
-
-    @overload(function)
-    def typed(a, b):
-        if _is_vector(a, b):
-            return lambda a, b: operation(a, b)
-        return None
+def _arithmetic(instruction: str):
+    return lambda builder, a, b: getattr(builder, instruction)(a, b, flags=_CONTRACT)
 
 
-def _mask_binary(function, instruction: str):
-    @intrinsic
-    def operation(typingctx, a, b):
-        def codegen(context, builder, signature, args):
-            return getattr(builder, instruction)(*args)
+def _comparison(predicate: str):
+    return lambda builder, a, b: builder.fcmp_ordered(predicate, a, b)
 
-        return a(a, b), codegen
 
-    @overload(function)
-    def typed(a, b):
-        if _is_mask(a, b):
-            return lambda a, b: operation(a, b)
-        return None
+def _logic(instruction: str):
+    return lambda builder, a, b: getattr(builder, instruction)(a, b)
 
 
 for _function, _instruction in (
@@ -271,7 +257,7 @@ for _function, _instruction in (
     (operator.mul, "fmul"),
     (operator.truediv, "fdiv"),
 ):
-    _binary(_function, _instruction)
+    _operator(_function, _is_vector, lambda a: a, _arithmetic(_instruction), VectorType, VectorType)
 for _function, _predicate in (
     (operator.lt, "<"),
     (operator.le, "<="),
@@ -279,9 +265,9 @@ for _function, _predicate in (
     (operator.ge, ">="),
     (operator.eq, "=="),
 ):
-    _comparison(_function, _predicate)
+    _operator(_function, _is_vector, lambda a: _MASK_OF[a], _comparison(_predicate), VectorType, VectorType)
 for _function, _instruction in ((operator.and_, "and_"), (operator.or_, "or_")):
-    _mask_binary(_function, _instruction)
+    _operator(_function, _is_mask, lambda a: a, _logic(_instruction), MaskType, MaskType)
 
 
 def _choice(predicate: str):

@@ -15,7 +15,8 @@ import numpy as np
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
-from numba.extending import intrinsic, make_attribute_wrapper, models, overload, register_model
+from numba.core.typing.templates import AbstractTemplate, infer_global, signature
+from numba.extending import intrinsic, lower_builtin, make_attribute_wrapper, models, register_model
 
 from isophote.kernels.base.jit import device
 
@@ -79,31 +80,26 @@ def vec3(typingctx, x, y, z):
     return vec3_type(types.float32, types.float32, types.float32), codegen
 
 
-def _overload_operator(function, instruction: str) -> None:
+def _operator(function, instruction: str) -> None:
     """Vector with vector component by component, and vector with scalar either way round."""
 
-    @intrinsic
-    def operation(typingctx, a, b):
-        def codegen(context, builder, signature, args):
-            sides = [
-                _parts(context, builder, value) if kind == vec3_type else [value] * 3
-                for kind, value in zip(signature.args, args, strict=True)
-            ]
-            parts = [
-                getattr(builder, instruction)(p, q, flags=_CONTRACT) for p, q in zip(*sides, strict=True)
-            ]
-            return _pack(context, builder, parts)
+    @infer_global(function)
+    class Typing(AbstractTemplate):
+        def generic(self, args, kws):
+            if vec3_type not in args or not all(a == vec3_type or isinstance(a, types.Number) for a in args):
+                return None
+            return signature(vec3_type, *(a if a == vec3_type else types.float32 for a in args))
 
-        left = a if a == vec3_type else types.float32
-        right = b if b == vec3_type else types.float32
-        return vec3_type(left, right), codegen
+    def codegen(context, builder, sig, args):
+        sides = [
+            _parts(context, builder, value) if kind == vec3_type else [value] * 3
+            for kind, value in zip(sig.args, args, strict=True)
+        ]
+        parts = [getattr(builder, instruction)(p, q, flags=_CONTRACT) for p, q in zip(*sides, strict=True)]
+        return _pack(context, builder, parts)
 
-    @overload(function)
-    def typed(a, b):
-        kinds = {a, b}
-        if vec3_type in kinds and all(k == vec3_type or isinstance(k, types.Number) for k in kinds):
-            return lambda a, b: operation(a, b)
-        return None
+    for classes in ((Vec3Type, Vec3Type), (Vec3Type, types.Float), (types.Float, Vec3Type)):
+        lower_builtin(function, *classes)(codegen)
 
 
 for _function, _instruction in (
@@ -112,22 +108,18 @@ for _function, _instruction in (
     (operator.mul, "fmul"),
     (operator.truediv, "fdiv"),
 ):
-    _overload_operator(_function, _instruction)
+    _operator(_function, _instruction)
 
 
-@intrinsic
-def _negate(typingctx, a):
-    def codegen(context, builder, signature, args):
-        return _pack(context, builder, [builder.fneg(p) for p in _parts(context, builder, args[0])])
-
-    return vec3_type(vec3_type), codegen
+@infer_global(operator.neg)
+class _Negative(AbstractTemplate):
+    def generic(self, args, kws):
+        return signature(vec3_type, vec3_type) if args == (vec3_type,) else None
 
 
-@overload(operator.neg)
-def _neg(a):
-    if a == vec3_type:
-        return lambda a: _negate(a)
-    return None
+@lower_builtin(operator.neg, Vec3Type)
+def _negate(context, builder, sig, args):
+    return _pack(context, builder, [builder.fneg(p) for p in _parts(context, builder, args[0])])
 
 
 @intrinsic
@@ -137,9 +129,7 @@ def dot(typingctx, a, b):
     def codegen(context, builder, signature, args):
         left, right = (_parts(context, builder, value) for value in args)
         products = [builder.fmul(p, q, flags=_CONTRACT) for p, q in zip(left, right, strict=True)]
-        return builder.fadd(
-            builder.fadd(products[0], products[1], flags=_CONTRACT), products[2], flags=_CONTRACT
-        )
+        return builder.fadd(builder.fadd(products[0], products[1], flags=_CONTRACT), products[2], flags=_CONTRACT)
 
     return types.float32(vec3_type, vec3_type), codegen
 

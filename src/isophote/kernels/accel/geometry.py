@@ -1,0 +1,182 @@
+"""All triangles of a scene as tables, and the two questions rays ask of them.
+
+A scene is a list of instances of objects. An object is a tree over triangles in its own space; one that is used
+once is stored in world space, all such together as one object. Where there is more than one instance, a tree over
+their boxes finds the ones that a ray may meet.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from isophote.kernels.accel.bvh import any_triangle, closest_triangle, enter_children, slabs
+from isophote.kernels.accel.layout import CHILD, NODE, SCRATCH, STACK
+from isophote.kernels.base.jit import device
+from isophote.kernels.base.simd import load_float, load_int, lowest_bit, store8, store_float, store_int
+from isophote.kernels.base.table import BYTES, FLOAT_ROWS, FLOATS, INTS, Table
+from isophote.kernels.base.vec import vec3
+
+__all__ = ["GEOMETRY", "SCRATCH_WORDS", "Hit", "closest_hit", "occluded", "to_object_point", "to_object_vector"]
+
+SCRATCH_WORDS = 2 * SCRATCH
+
+_ZERO = np.float32(0)
+
+
+# Trees and instances. `nodes`, `blocks`: every object's tree, one after another (layout.py). `roots` (instances,): the
+# root node of each instance's object. `to_object`, `to_world` (instances, 12): rows of affine 3 × 4 matrices.
+# `identity` (instances,): whether these are the identity. `top_nodes`, `top_items`: tree over the instances' boxes;
+# empty where there is one instance.
+GEOMETRY = Table(
+    "Geometry",
+    nodes=FLOATS,
+    blocks=FLOATS,
+    roots=INTS,
+    to_object=FLOAT_ROWS,
+    to_world=FLOAT_ROWS,
+    identity=BYTES,
+    top_nodes=FLOATS,
+    top_items=INTS,
+)
+
+
+class Hit(NamedTuple):
+    """Where a ray meets a triangle first: distance in lengths of the direction, weights of the triangle's corners 1
+    and 2, slot of the triangle in `blocks` (-1: none), instance."""
+
+    t: float
+    weight1: float
+    weight2: float
+    slot: int
+    instance: int
+
+
+@device
+def _affine_point(m, k, p):
+    return vec3(
+        m[k, 0] * p.x + m[k, 1] * p.y + m[k, 2] * p.z + m[k, 3],
+        m[k, 4] * p.x + m[k, 5] * p.y + m[k, 6] * p.z + m[k, 7],
+        m[k, 8] * p.x + m[k, 9] * p.y + m[k, 10] * p.z + m[k, 11],
+    )
+
+
+@device
+def _affine_vector(m, k, d):
+    return vec3(
+        m[k, 0] * d.x + m[k, 1] * d.y + m[k, 2] * d.z,
+        m[k, 4] * d.x + m[k, 5] * d.y + m[k, 6] * d.z,
+        m[k, 8] * d.x + m[k, 9] * d.y + m[k, 10] * d.z,
+    )
+
+
+@device
+def to_object_point(geometry, instance, p):
+    """A point of the world in the space of an instance's object."""
+    return _affine_point(geometry.to_object, instance, p)
+
+
+@device
+def to_object_vector(geometry, instance, d):
+    """A direction of the world in the space of an instance's object."""
+    return _affine_vector(geometry.to_object, instance, d)
+
+
+@device
+def to_world_point(geometry, instance, p):
+    """A point of an instance's object in the world."""
+    return _affine_point(geometry.to_world, instance, p)
+
+
+@device
+def to_world_vector(geometry, instance, d):
+    """A direction of an instance's object in the world."""
+    return _affine_vector(geometry.to_world, instance, d)
+
+
+@device
+def _into_object(geometry, instance, origin, direction):
+    if geometry.identity[instance] != 0:
+        return origin, direction
+    return to_object_point(geometry, instance, origin), to_object_vector(geometry, instance, direction)
+
+
+@device
+def closest_hit(geometry, origin, direction, t_max, scratch):
+    """The first triangle at 0 < t < t_max; `scratch` is float32 of SCRATCH_WORDS."""
+    nodes, blocks = geometry.nodes, geometry.blocks
+    best = Hit(t_max, _ZERO, _ZERO, np.int64(-1), np.int64(0))
+    many = geometry.top_nodes.rows > 0
+    box = slabs(origin, direction)
+    # The stack of the upper tree lies behind that of the lower one.
+    base = np.int64(SCRATCH)
+    top = base
+    node = np.int32(0) if many else np.int32(-2)
+    while True:
+        if node >= 0:
+            entered, near = enter_children(geometry.top_nodes, np.int64(node) * NODE, box, best.t)
+            store8(scratch, base + STACK, near)
+            bottom = top
+            while entered != 0:
+                k = np.int64(lowest_bit(entered))
+                entered &= entered - np.int32(1)
+                distance = load_float(scratch, base + STACK + k)
+                at = top
+                while at > bottom:
+                    above = load_float(scratch, at - 2)
+                    if above >= distance:
+                        break
+                    store_float(scratch, at, above)
+                    store_int(scratch, at + 1, load_int(scratch, at - 1))
+                    at -= 2
+                store_float(scratch, at, distance)
+                store_int(scratch, at + 1, load_int(geometry.top_nodes, np.int64(node) * NODE + CHILD + k))
+                top += 2
+        else:
+            code = np.int64(-1) - np.int64(node)
+            first = code >> 3
+            for entry in range(first, first + (code & 7)):
+                instance = np.int64(geometry.top_items[entry]) if many else np.int64(0)
+                o, d = _into_object(geometry, instance, origin, direction)
+                t, w1, w2, slot = closest_triangle(nodes, blocks, geometry.roots[instance], o, d, best.t, scratch)
+                if slot >= 0:
+                    best = Hit(t, w1, w2, slot, instance)
+        while True:
+            if top == base:
+                return best
+            top -= 2
+            if load_float(scratch, top) < best.t:
+                node = load_int(scratch, top + 1)
+                break
+
+
+@device
+def occluded(geometry, origin, direction, t_max, scratch):
+    """Whether any triangle lies at 0 < t < t_max."""
+    nodes, blocks = geometry.nodes, geometry.blocks
+    many = geometry.top_nodes.rows > 0
+    box = slabs(origin, direction)
+    base = np.int64(SCRATCH)
+    top = base
+    node = np.int32(0) if many else np.int32(-2)
+    while True:
+        if node >= 0:
+            entered, _ = enter_children(geometry.top_nodes, np.int64(node) * NODE, box, t_max)
+            while entered != 0:
+                k = np.int64(lowest_bit(entered))
+                entered &= entered - np.int32(1)
+                store_int(scratch, top, load_int(geometry.top_nodes, np.int64(node) * NODE + CHILD + k))
+                top += 1
+        else:
+            code = np.int64(-1) - np.int64(node)
+            first = code >> 3
+            for entry in range(first, first + (code & 7)):
+                instance = np.int64(geometry.top_items[entry]) if many else np.int64(0)
+                o, d = _into_object(geometry, instance, origin, direction)
+                if any_triangle(nodes, blocks, geometry.roots[instance], o, d, t_max, scratch):
+                    return True
+        if top == base:
+            return False
+        top -= 1
+        node = load_int(scratch, top)

@@ -1,0 +1,178 @@
+"""What a hit says about the surface: place, normals, texture coordinates, item, material."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from isophote.kernels.accel.geometry import to_world_point
+from isophote.kernels.accel.layout import BLOCK, LANES, NUMBER
+from isophote.kernels.base.jit import device
+from isophote.kernels.base.simd import load_float, load_int
+from isophote.kernels.base.table import FLOAT_ROWS, FLOATS, INT_ROWS, INTS, Table
+from isophote.kernels.base.vec import cross, dot, maximum_component, normalise, vec3
+
+__all__ = ["SURFACES", "Surface", "face_number", "item_of", "offset_point", "surface_at", "triangle_light"]
+
+# Columns of `Surfaces.items`.
+FIRST_TRIANGLE, MATERIAL, LIGHTS, NORMALS, UVS, FACES, FLIPPED, PUBLIC = 0, 1, 2, 3, 4, 5, 6, 7
+
+_ZERO, _ONE = np.float32(0), np.float32(1)
+# Rounding of a hit's place in units of 2^-24 times the largest coordinate of its triangle, with room to spare.
+_PLACE_ERROR = np.float32(32 * 2.0**-24)
+
+
+# What belongs to triangles apart from their corners.
+# `items` (n, 8): first triangle of the item within its object, material, and the first rows of its lights, normals,
+# texture coordinates and faces below (−1: none), 1 where its transform mirrors, its number for the user.
+# `spans` (instances, 2): first item and number of items of each instance.
+# `slack` (instances,): rounding of places by the instance's transform.
+# `normals` (k, 3), `uvs` (k, 2) with `normal_corners`, `uv_corners` (t, 3), the rows of a triangle's three corners;
+# `faces` (t,): face of each triangle; `triangle_lights` (t,): light of each triangle, or −1.
+SURFACES = Table(
+    "Surfaces",
+    items=INT_ROWS,
+    spans=INT_ROWS,
+    slack=FLOATS,
+    normals=FLOAT_ROWS,
+    normal_corners=INT_ROWS,
+    uvs=FLOAT_ROWS,
+    uv_corners=INT_ROWS,
+    faces=INTS,
+    triangle_lights=INTS,
+)
+
+
+class Surface(NamedTuple):
+    """A place on an item. `normal` is the geometric one and points outward; `shading` is the interpolated one, on the
+    same side. `error` bounds the distance of `place` from the true surface. `u`, `v`: texture coordinates."""
+
+    place: object
+    normal: object
+    shading: object
+    error: float
+    u: float
+    v: float
+    item: int
+    triangle: int
+
+
+@device
+def _corner(blocks, at):
+    return vec3(load_float(blocks, at), load_float(blocks, at + LANES), load_float(blocks, at + 2 * LANES))
+
+
+@device
+def item_of(surfaces, instance, triangle):
+    """The item that triangle number `triangle` of an instance's object belongs to."""
+    low = np.int64(surfaces.spans[instance, 0])
+    high = low + np.int64(surfaces.spans[instance, 1])
+    while high - low > 1:
+        middle = (low + high) >> 1
+        if surfaces.items[middle, FIRST_TRIANGLE] <= triangle:
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+@device
+def triangle_light(surfaces, item, triangle):
+    """Number of the light that a triangle is, or −1."""
+    first = surfaces.items[item, LIGHTS]
+    return np.int64(surfaces.triangle_lights[first + triangle]) if first >= 0 else np.int64(-1)
+
+
+@device
+def face_number(surfaces, item, triangle):
+    """Number of the mesh's face that a triangle is part of."""
+    first = surfaces.items[item, FACES]
+    return np.int64(surfaces.faces[first + triangle]) if first >= 0 else np.int64(triangle)
+
+
+@device
+def _blend(rows, corners, at, w0, w1, w2):
+    a, b, c = corners[at, 0], corners[at, 1], corners[at, 2]
+    return vec3(
+        rows[a, 0] * w0 + rows[b, 0] * w1 + rows[c, 0] * w2,
+        rows[a, 1] * w0 + rows[b, 1] * w1 + rows[c, 1] * w2,
+        rows[a, 2] * w0 + rows[b, 2] * w1 + rows[c, 2] * w2,
+    )
+
+
+@device
+def _normal_to_world(geometry, instance, n):
+    """Normals go by the transposed inverse: n · M⁻¹."""
+    m = geometry.to_object
+    return vec3(
+        m[instance, 0] * n.x + m[instance, 4] * n.y + m[instance, 8] * n.z,
+        m[instance, 1] * n.x + m[instance, 5] * n.y + m[instance, 9] * n.z,
+        m[instance, 2] * n.x + m[instance, 6] * n.y + m[instance, 10] * n.z,
+    )
+
+
+@device
+def _shading_normal(geometry, surfaces, instance, at, w0, w1, w2, normal):
+    """The interpolated normal on the side of the geometric one, or that one where there is nothing to interpolate."""
+    blended = _blend(surfaces.normals, surfaces.normal_corners, at, w0, w1, w2)
+    if geometry.identity[instance] == 0:
+        blended = _normal_to_world(geometry, instance, blended)
+    size2 = dot(blended, blended)
+    if not size2 > _ZERO:
+        return normal
+    shading = normalise(blended)
+    return shading if dot(shading, normal) >= _ZERO else -shading
+
+
+@device
+def surface_at(geometry, surfaces, hit):
+    """The `Surface` of a `Hit`."""
+    blocks, instance = geometry.blocks, hit.instance
+    block = hit.slot // LANES
+    at = block * BLOCK + hit.slot % LANES
+    a, b, c = _corner(blocks, at), _corner(blocks, at + 3 * LANES), _corner(blocks, at + 6 * LANES)
+    number = np.int64(load_int(blocks, at + NUMBER))
+    w1, w2 = hit.weight1, hit.weight2
+    w0 = _ONE - w1 - w2
+    place = w0 * a + w1 * b + w2 * c
+    normal = cross(b - a, c - a)
+    reach = max(_reach(a), max(_reach(b), _reach(c)))
+    if geometry.identity[instance] == 0:
+        place = to_world_point(geometry, instance, place)
+        normal = _normal_to_world(geometry, instance, normal)
+    item = item_of(surfaces, instance, number)
+    triangle = number - surfaces.items[item, FIRST_TRIANGLE]
+    normal = normalise(normal)
+    if surfaces.items[item, FLIPPED] != 0:
+        normal = -normal
+    shading = normal
+    first = surfaces.items[item, NORMALS]
+    if first >= 0:
+        shading = _shading_normal(geometry, surfaces, instance, first + triangle, w0, w1, w2, normal)
+    u, v = w1, w2
+    first = surfaces.items[item, UVS]
+    if first >= 0:
+        p, q, r = (
+            surfaces.uv_corners[first + triangle, 0],
+            surfaces.uv_corners[first + triangle, 1],
+            surfaces.uv_corners[first + triangle, 2],
+        )
+        uvs = surfaces.uvs
+        u = uvs[p, 0] * w0 + uvs[q, 0] * w1 + uvs[r, 0] * w2
+        v = uvs[p, 1] * w0 + uvs[q, 1] * w1 + uvs[r, 1] * w2
+    error = reach * _PLACE_ERROR + surfaces.slack[instance]
+    return Surface(place, normal, shading, error, u, v, item, triangle)
+
+
+@device
+def _reach(p):
+    return maximum_component(vec3(abs(p.x), abs(p.y), abs(p.z)))
+
+
+@device
+def offset_point(place, normal, error, direction):
+    """`place` moved off the surface by its error, to the side that `direction` goes to, so that a ray from there does
+    not meet the surface again. Each coordinate's own rounding is covered by `error`."""
+    side = error if dot(normal, direction) >= _ZERO else -error
+    return place + normal * side

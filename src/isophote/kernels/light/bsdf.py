@@ -1,0 +1,67 @@
+"""How surfaces scatter light: one switch over the kinds of material.
+
+Directions are of the world: `out` leaves the surface towards where the path came from, `into` is where it goes on.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from isophote.kernels.base.jit import device
+from isophote.kernels.base.table import FLOAT_ROWS, INTS, Table
+from isophote.kernels.base.vec import dot, orthonormal
+from isophote.kernels.base.warp import INV_PI
+
+__all__ = ["BLACK", "GLASS", "MATERIALS", "MATTE", "MIRROR", "fresnel_dielectric", "scatter_glass", "scatter_matte"]
+
+MATTE, MIRROR, GLASS, BLACK = 0, 1, 2, 3
+
+_ZERO, _HALF, _ONE = np.float32(0), np.float32(0.5), np.float32(1)
+
+
+# `kinds` (n,); `textures` (n,): the texture that multiplies the colour, or −1; `values` (n, 8): colour, emitted
+# radiance, index of refraction, 1 where both sides emit.
+MATERIALS = Table("Materials", kinds=INTS, textures=INTS, values=FLOAT_ROWS)
+
+
+@device
+def fresnel_dielectric(cosine, ior):
+    """(reflected share, cosine inside) at a smooth boundary, unpolarised; `ior` is that behind over that in front.
+
+    r_par = (n cosθ − cosθ') / (n cosθ + cosθ'),  r_perp = (cosθ − n cosθ') / (cosθ + n cosθ'),
+    R = ½ (r_par² + r_perp²);  R = 1 where sinθ > n (total internal reflection).
+    """
+    sine2 = (_ONE - cosine * cosine) / (ior * ior)
+    if sine2 >= _ONE:
+        return _ONE, _ZERO
+    inside = math.sqrt(_ONE - sine2)
+    parallel = (ior * cosine - inside) / (ior * cosine + inside)
+    perpendicular = (cosine - ior * inside) / (cosine + ior * inside)
+    return _HALF * (parallel * parallel + perpendicular * perpendicular), inside
+
+
+@device
+def scatter_matte(normal, x, y):
+    """(direction, density) in proportion to the cosine, from a point (x, y) of the unit disk."""
+    z = math.sqrt(max(_ZERO, _ONE - x * x - y * y))
+    tangent, bitangent = orthonormal(normal)
+    return tangent * x + bitangent * y + normal * z, z * INV_PI
+
+
+@device
+def scatter_glass(out, normal, ior, u):
+    """(direction, factor on radiance) of the reflected or the refracted ray, picked by `u` in proportion to its share.
+
+    Radiance is squeezed into a smaller cone behind the boundary: the refracted ray carries 1 / n² of it
+    (Veach: thesis, 1997, section 5.2).
+    """
+    cosine = dot(out, normal)
+    n = ior if cosine > _ZERO else _ONE / ior
+    facing = normal if cosine > _ZERO else -normal
+    cosine = abs(cosine)
+    share, inside = fresnel_dielectric(cosine, n)
+    if u < share:
+        return facing * (cosine + cosine) - out, _ONE
+    return facing * (cosine / n - inside) - out / n, _ONE / (n * n)

@@ -1,0 +1,266 @@
+"""Lights as a table: how one is picked, sampled from a point, and how likely that was.
+
+One switch over the kinds lives in `sample_light` and one in `light_density`; a test walks over all kinds.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from isophote.kernels.base.jit import device
+from isophote.kernels.base.table import FLOAT_ROWS, FLOATS, INTS, Table
+from isophote.kernels.base.vec import dot, length, normalise, orthonormal, vec3
+from isophote.kernels.base.warp import PI, to_cone, to_disk, to_triangle
+from isophote.kernels.light import environment as sky
+from isophote.kernels.light.environment import (
+    environment_density,
+    environment_radiance,
+    sample_environment,
+)
+
+__all__ = [
+    "DISK",
+    "ENVIRONMENT",
+    "LIGHTS",
+    "PARALLELOGRAM",
+    "POINT",
+    "SPHERE",
+    "SUN",
+    "TRIANGLE",
+    "LightSample",
+    "closest_lamp",
+    "lamp_blocks",
+    "lamp_normal",
+    "lamp_radiance",
+    "light_density",
+    "pick_light",
+    "sample_light",
+]
+
+TRIANGLE, PARALLELOGRAM, DISK, SPHERE, POINT, SUN, ENVIRONMENT = 0, 1, 2, 3, 4, 5, 6
+
+# Columns of `Lights.values`: a place, two edges, the unit normal, radiance (point: intensity, sun: irradiance), the
+# area, 1 for two sides, the radius of a sphere.
+_PLACE, _EDGE1, _EDGE2, _NORMAL, _RADIANCE, _AREA, _TWO_SIDED, _RADIUS = 0, 3, 6, 9, 12, 15, 16, 17
+
+_ZERO, _HALF, _ONE, _TWO = np.float32(0), np.float32(0.5), np.float32(1), np.float32(2)
+_FAR = np.float32(np.inf)
+# Below this solid angle a sphere's cone is taken by its Taylor series: 1 − cos would cancel.
+_SMALL_SINE2 = np.float32(1e-4)
+
+
+# `kinds` (n,); `values` (n, 18), columns above; `cdf` (n + 1,): cumulative chances of being picked; `lamps`: the disks
+# and spheres, which rays meet without a tree.
+LIGHTS = Table("Lights", kinds=INTS, values=FLOAT_ROWS, cdf=FLOATS, lamps=INTS, environment=sky.ENVIRONMENT)
+
+
+class LightSample(NamedTuple):
+    """Direction to the light (not of unit length: the light is at t = 1, or infinitely far at t = inf), what arrives
+    from there, density per steradian (0: the light is a single direction; negative: nothing arrives)."""
+
+    x: float
+    y: float
+    z: float
+    t_max: float
+    red: float
+    green: float
+    blue: float
+    density: float
+
+
+@device
+def _triple(values, k, column):
+    return vec3(values[k, column], values[k, column + 1], values[k, column + 2])
+
+
+@device
+def pick_light(lights, u):
+    """(number, chance, u stretched again to [0, 1)) of the light that `u` falls on."""
+    cdf = lights.cdf
+    low, high = 0, cdf.rows - 1
+    while high - low > 1:
+        middle = (low + high) >> 1
+        if cdf[middle] <= u:
+            low = middle
+        else:
+            high = middle
+    chance = cdf[low + 1] - cdf[low]
+    return low, chance, (u - cdf[low]) / chance
+
+
+@device
+def _nothing():
+    return LightSample(_ZERO, _ONE, _ZERO, _ZERO, _ZERO, _ZERO, _ZERO, -_ONE)
+
+
+@device
+def _arrives(to_light, t_max, radiance, density):
+    return LightSample(
+        to_light.x, to_light.y, to_light.z, t_max, radiance.x, radiance.y, radiance.z, np.float32(density)
+    )
+
+
+@device
+def _sample_flat(values, k, point, place):
+    """A place on a flat light, seen from `point`."""
+    to_light = place - point
+    distance2 = dot(to_light, to_light)
+    cosine = -dot(to_light, _triple(values, k, _NORMAL))
+    if values[k, _TWO_SIDED] != _ZERO:
+        cosine = abs(cosine)
+    if cosine <= _ZERO or distance2 == _ZERO:
+        return _nothing()
+    # cosine still holds one factor |to_light|
+    density = distance2 * math.sqrt(distance2) / (cosine * values[k, _AREA])
+    return _arrives(to_light, _ONE, _triple(values, k, _RADIANCE), density)
+
+
+@device
+def _cone_of_sphere(values, k, point):
+    """(1 − cosine of the half angle under which a sphere is seen, squared sine); negative from inside."""
+    to_centre = _triple(values, k, _PLACE) - point
+    distance2 = dot(to_centre, to_centre)
+    radius = values[k, _RADIUS]
+    if distance2 <= radius * radius:
+        return -_ONE, -_ONE
+    sine2 = radius * radius / distance2
+    if sine2 < _SMALL_SINE2:
+        return sine2 * _HALF, sine2
+    return _ONE - math.sqrt(_ONE - sine2), sine2
+
+
+@device
+def _sample_sphere(values, k, point, u, v):
+    """A direction uniform in the cone under which a sphere is seen from outside."""
+    one_less_cosine, _ = _cone_of_sphere(values, k, point)
+    if one_less_cosine < _ZERO:
+        return _nothing()
+    to_centre = _triple(values, k, _PLACE) - point
+    distance = length(to_centre)
+    axis = to_centre / distance
+    local = to_cone(u, v, _ONE - one_less_cosine)
+    tangent, bitangent = orthonormal(axis)
+    direction = tangent * local.x + bitangent * local.y + axis * local.z
+    radius = values[k, _RADIUS]
+    reach = distance * local.z - math.sqrt(
+        max(_ZERO, radius * radius - distance * distance * (_ONE - local.z * local.z))
+    )
+    return _arrives(direction * reach, _ONE, _triple(values, k, _RADIANCE), _ONE / (_TWO * PI * one_less_cosine))
+
+
+@device
+def sample_light(lights, k, point, u, v):
+    """Light `k` as it is sampled from `point`."""
+    kind, values = lights.kinds[k], lights.values
+    if kind == TRIANGLE:
+        a, b = to_triangle(u, v)
+        place = _triple(values, k, _PLACE) + a * _triple(values, k, _EDGE1) + b * _triple(values, k, _EDGE2)
+        return _sample_flat(values, k, point, place)
+    if kind == PARALLELOGRAM:
+        place = _triple(values, k, _PLACE) + u * _triple(values, k, _EDGE1) + v * _triple(values, k, _EDGE2)
+        return _sample_flat(values, k, point, place)
+    if kind == DISK:
+        a, b = to_disk(u, v)
+        place = _triple(values, k, _PLACE) + a * _triple(values, k, _EDGE1) + b * _triple(values, k, _EDGE2)
+        return _sample_flat(values, k, point, place)
+    if kind == SPHERE:
+        return _sample_sphere(values, k, point, u, v)
+    if kind == POINT:
+        to_light = _triple(values, k, _PLACE) - point
+        return _arrives(to_light, _ONE, _triple(values, k, _RADIANCE) / dot(to_light, to_light), _ZERO)
+    if kind == SUN:
+        return _arrives(_triple(values, k, _NORMAL), _FAR, _triple(values, k, _RADIANCE), _ZERO)
+    direction = sample_environment(lights.environment, u, v)
+    density = environment_density(lights.environment, direction)
+    return _arrives(direction, _FAR, environment_radiance(lights.environment, direction), density)
+
+
+@device
+def light_density(lights, k, point, to_light):
+    """Density per steradian with which `sample_light` gives the direction of `to_light`, a vector from `point` to the
+    place on light `k` (any length for the environment)."""
+    kind, values = lights.kinds[k], lights.values
+    if kind == SPHERE:
+        one_less_cosine, _ = _cone_of_sphere(values, k, point)
+        return _ONE / (_TWO * PI * one_less_cosine) if one_less_cosine > _ZERO else _ZERO
+    if kind == ENVIRONMENT:
+        return environment_density(lights.environment, normalise(to_light))
+    distance2 = dot(to_light, to_light)
+    cosine = abs(dot(to_light, _triple(values, k, _NORMAL)))
+    return distance2 * math.sqrt(distance2) / (max(cosine, np.float32(1e-12)) * values[k, _AREA])
+
+
+@device
+def lamp_normal(lights, k, point):
+    """Unit outward normal of a disk or sphere light at a point on it."""
+    if lights.kinds[k] == DISK:
+        return _triple(lights.values, k, _NORMAL)
+    return normalise(point - _triple(lights.values, k, _PLACE))
+
+
+@device
+def lamp_radiance(lights, k, point, direction):
+    """What a disk or sphere light sends against the ray `direction` that meets it at `point`: nothing from behind."""
+    if lights.values[k, _TWO_SIDED] == _ZERO and dot(direction, lamp_normal(lights, k, point)) >= _ZERO:
+        return vec3(_ZERO, _ZERO, _ZERO)
+    return _triple(lights.values, k, _RADIANCE)
+
+
+@device
+def _meet_disk(values, k, origin, direction, t_max):
+    normal = _triple(values, k, _NORMAL)
+    away = dot(direction, normal)
+    if away == _ZERO:
+        return t_max
+    t = dot(_triple(values, k, _PLACE) - origin, normal) / away
+    if not (t > _ZERO and t < t_max):
+        return t_max
+    arm = origin + t * direction - _triple(values, k, _PLACE)
+    edge = _triple(values, k, _EDGE1)
+    return t if dot(arm, arm) <= dot(edge, edge) else t_max
+
+
+@device
+def _meet_sphere(values, k, origin, direction, t_max):
+    """Nearest root of |o + t d − c| = r, with the discriminant taken from the closest point, which does not cancel
+    (Haines et al., "Precision Improvements for Ray/Sphere Intersection", Ray Tracing Gems 7, 2019)."""
+    to_centre = _triple(values, k, _PLACE) - origin
+    a = dot(direction, direction)
+    b = dot(to_centre, direction)
+    radius = values[k, _RADIUS]
+    off = to_centre - direction * (b / a)
+    discriminant = radius * radius - dot(off, off)
+    if discriminant < _ZERO:
+        return t_max
+    c = dot(to_centre, to_centre) - radius * radius
+    q = b + math.copysign(math.sqrt(a * discriminant), b)
+    first, second = c / q, q / a
+    near, far = min(first, second), max(first, second)
+    t = near if near > _ZERO else far
+    return t if (t > _ZERO and t < t_max) else t_max
+
+
+@device
+def closest_lamp(lights, origin, direction, t_max):
+    """(t, number) of the first disk or sphere light at 0 < t < t_max; number −1 for none."""
+    nearest = np.int64(-1)
+    for i in range(lights.lamps.rows):
+        k = np.int64(lights.lamps[i])
+        if lights.kinds[k] == DISK:
+            t = _meet_disk(lights.values, k, origin, direction, t_max)
+        else:
+            t = _meet_sphere(lights.values, k, origin, direction, t_max)
+        if t < t_max:
+            t_max, nearest = t, k
+    return t_max, nearest
+
+
+@device
+def lamp_blocks(lights, origin, direction, t_max):
+    """Whether a disk or sphere light stands in the way at 0 < t < t_max."""
+    if lights.lamps.rows == 0:
+        return False
+    return closest_lamp(lights, origin, direction, t_max)[1] >= 0

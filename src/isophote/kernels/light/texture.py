@@ -1,0 +1,68 @@
+"""Textures as tables: all pictures one after another, looked up by their number."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from isophote.kernels.base.jit import device
+from isophote.kernels.base.table import BYTE_ROWS, FLOAT_ROWS, LONG_ROWS, Table
+from isophote.kernels.base.vec import vec3
+
+__all__ = ["BILINEAR", "CLAMP", "MIRROR", "NEAREST", "REPEAT", "TEXTURES", "look_up"]
+
+REPEAT, CLAMP, MIRROR = 0, 1, 2
+BILINEAR, NEAREST = 0, 1
+
+_HALF, _ONE = np.float32(0.5), np.float32(1)
+# Coordinates of a clamped or mirrored texture beyond this many pictures are cut, so that texel numbers stay exact.
+_BOUND = np.float32(2**10)
+
+
+# `codes` (n, 6): first texel, width, height, wrap, filter, and 0 or 1 for the row of `decode` that 8-bit texels go
+# through, or 2 for texels in `floats`. `bytes`, `floats` (texels, 3). `decode` (2, 256): sRGB to linear, and plain.
+TEXTURES = Table("Textures", codes=LONG_ROWS, bytes=BYTE_ROWS, floats=FLOAT_ROWS, decode=FLOAT_ROWS)
+
+
+@device
+def _wrapped(i, n, wrap):
+    """Number of a texel column or row from 0 to n − 1."""
+    if wrap == CLAMP:
+        return min(max(i, 0), n - 1)
+    if wrap == MIRROR:
+        k = i % (2 * n)
+        return k if k < n else 2 * n - 1 - k
+    return i % n
+
+
+@device
+def _texel(textures, number, x, y):
+    codes = textures.codes
+    width, height, wrap = codes[number, 1], codes[number, 2], codes[number, 3]
+    at = codes[number, 0] + _wrapped(y, height, wrap) * width + _wrapped(x, width, wrap)
+    row = codes[number, 5]
+    if row == 2:
+        texels = textures.floats
+        return vec3(texels[at, 0], texels[at, 1], texels[at, 2])
+    texels, decode = textures.bytes, textures.decode
+    return vec3(decode[row, texels[at, 0]], decode[row, texels[at, 1]], decode[row, texels[at, 2]])
+
+
+@device
+def look_up(textures, number, u, v):
+    """Linear colour of texture `number` at (u, v), whose origin is the picture's lower left corner."""
+    codes = textures.codes
+    # The fractional part first: large coordinates would overflow the texel's number.
+    x = (u - math.floor(u) if codes[number, 3] == REPEAT else min(max(u, -_BOUND), _BOUND)) * codes[number, 1]
+    y = math.floor(v) + _ONE - v if codes[number, 3] == REPEAT else _ONE - min(max(v, -_BOUND), _BOUND)
+    y *= codes[number, 2]
+    if codes[number, 4] == NEAREST:
+        return _texel(textures, number, np.int64(math.floor(x)), np.int64(math.floor(y)))
+    x, y = x - _HALF, y - _HALF
+    left, upper = math.floor(x), math.floor(y)
+    a, b = np.float32(x - left), np.float32(y - upper)
+    i, j = np.int64(left), np.int64(upper)
+    top = _texel(textures, number, i, j) * (_ONE - a) + _texel(textures, number, i + 1, j) * a
+    low = _texel(textures, number, i, j + 1) * (_ONE - a) + _texel(textures, number, i + 1, j + 1) * a
+    return top * (_ONE - b) + low * b

@@ -1,0 +1,349 @@
+"""Path tracing: the rendering equation by random walks from the camera.
+
+    L_o = L_e + ∫ f L_i cosθ dω   (Kajiya, 1986)
+
+At each surface light is gathered in two ways, by aiming at a light and by following the scattered ray, and the two
+are weighted by the power heuristic w = p² / (p² + q²) (Veach, Guibas: "Optimally Combining Sampling Techniques",
+1995). Paths end by chance, in proportion to what they carry.
+
+A constant sky is found by scattered rays alone: for them it has no variance but that of what stands in the way.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from isophote.kernels.accel.geometry import Hit, closest_hit, occluded
+from isophote.kernels.accel.surface import offset_point, surface_at, triangle_light
+from isophote.kernels.base.jit import device, kernel
+from isophote.kernels.base.sampler import draw_pairs
+from isophote.kernels.base.vec import dot, length, maximum_component, reflect, vec3
+from isophote.kernels.base.warp import INV_PI, to_disk
+from isophote.kernels.light.bsdf import BLACK, MATTE, MIRROR, scatter_glass, scatter_matte
+from isophote.kernels.light.emitter import (
+    closest_lamp,
+    lamp_blocks,
+    lamp_radiance,
+    light_density,
+    pick_light,
+    sample_light,
+)
+from isophote.kernels.light.environment import environment_density, environment_radiance
+from isophote.kernels.light.film import add_sample, filter_offset
+from isophote.kernels.light.texture import look_up
+from isophote.kernels.trace import wave as rows
+from isophote.kernels.trace.camera import camera_ray
+from isophote.kernels.trace.tables import FILM, PLAN, SCENE
+from isophote.kernels.trace.wave import add_radiance, row_vec3, set_row_vec3
+
+__all__ = ["path_trace_tile"]
+
+_ZERO, _ONE, _TWO = np.float32(0), np.float32(1), np.float32(2)
+_FAR = np.float32(np.inf)
+# A shadow ray ends this much short of its light, in parts of its length, lest it meets the light itself.
+_SHADOW_END = np.float32(1 - 1e-4)
+_MOST_LIKELY = np.float32(0.95)
+_LAMP = np.int64(-2)
+
+open_scene, open_plan, open_film, open_wave = SCENE.open, PLAN.open, FILM.open, rows.WAVE.open
+
+# Sampling dimensions (pairs of numbers): film, lens, then three for each ray of the path.
+_FILM, _LENS, _FIRST = 0, 1, 2
+_PICK, _LIGHT, _SCATTER, _PER_RAY = 0, 1, 2, 3
+
+
+class Tile(NamedTuple):
+    """Pixels x0 ≤ x < x1, y0 ≤ y < y1 and samples first ≤ s < last of each."""
+
+    x0: int
+    x1: int
+    y0: int
+    y1: int
+    first: int
+    last: int
+
+
+@device
+def _start(tables, plan, tile, first, count, wave):
+    """Camera rays of wave columns 0 … count − 1, the paths numbered `first` on within the tile."""
+    floats, ints = wave.floats, wave.ints
+    samples = tile.last - tile.first
+    across = tile.x1 - tile.x0
+    for i in range(count):
+        path = first + i
+        place = path // samples
+        ints[rows.PIXEL, i] = (tile.y0 + place // across) * plan.width + tile.x0 + place % across
+        ints[rows.SAMPLE, i] = tile.first + path % samples
+        ints[rows.OWNER, i] = i
+    _draw(plan, wave, count, _FILM, rows.PICK_U)
+    _draw(plan, wave, count, _LENS, rows.LIGHT_U)
+    for i in range(count):
+        dx, dy = filter_offset(plan.filter, floats[rows.PICK_U, i], floats[rows.PICK_V, i])
+        a, b = to_disk(floats[rows.LIGHT_U, i], floats[rows.LIGHT_V, i])
+        pixel = np.int64(ints[rows.PIXEL, i])
+        px, py = np.float32(pixel % plan.width) + dx, np.float32(pixel // plan.width) + dy
+        origin, direction = camera_ray(tables.camera, px, py, a, b)
+        set_row_vec3(floats, rows.ORIGIN, i, origin)
+        set_row_vec3(floats, rows.DIRECTION, i, direction / length(direction))
+        set_row_vec3(floats, rows.CARRIED, i, vec3(_ONE, _ONE, _ONE))
+        set_row_vec3(floats, rows.RADIANCE, i, vec3(_ZERO, _ZERO, _ZERO))
+        floats[rows.DENSITY, i] = _ZERO
+
+
+@device
+def _draw(plan, wave, count, dimension, row):
+    floats, ints = wave.floats, wave.ints
+    draw_pairs(
+        plan.pattern,
+        plan.seed,
+        ints[rows.PIXEL],
+        ints[rows.SAMPLE],
+        plan.samples,
+        dimension,
+        count,
+        floats[row],
+        floats[row + 1],
+    )
+
+
+@device
+def _draw_step(plan, wave, count, depth):
+    """Sample numbers of one step for every path."""
+    first = _FIRST + _PER_RAY * (depth - 1)
+    _draw(plan, wave, count, first + _PICK, rows.PICK_U)
+    _draw(plan, wave, count, first + _LIGHT, rows.LIGHT_U)
+    _draw(plan, wave, count, first + _SCATTER, rows.SCATTER_U)
+
+
+@device
+def _trace(tables, wave, count):
+    """First hit of every path's ray; a disk or sphere light in front of it has slot _LAMP and its number."""
+    floats, longs = wave.floats, wave.longs
+    for i in range(count):
+        origin, direction = row_vec3(floats, rows.ORIGIN, i), row_vec3(floats, rows.DIRECTION, i)
+        hit = closest_hit(tables.geometry, origin, direction, _FAR, wave.scratch)
+        t, slot, instance = hit.t, hit.slot, hit.instance
+        if tables.lights.lamps.rows > 0:
+            t, lamp = closest_lamp(tables.lights, origin, direction, t)
+            if lamp >= 0:
+                slot, instance = _LAMP, lamp
+        floats[rows.HIT_T, i] = t
+        floats[rows.HIT_W1, i], floats[rows.HIT_W2, i] = hit.weight1, hit.weight2
+        longs[rows.HIT_SLOT, i], longs[rows.HIT_INSTANCE, i] = slot, instance
+
+
+@device
+def _power_weight(p, q):
+    """Share of the technique of density `p` beside one of density `q`."""
+    return p * p / (p * p + q * q)
+
+
+@device
+def _chance(lights, k):
+    return lights.cdf[k + 1] - lights.cdf[k]
+
+
+@device
+def _weight_of_meeting(lights, k, scattered, origin, to_light):
+    """Share of a scattered ray of density `scattered` that meets light `k`, which could have been aimed at too."""
+    if scattered == _ZERO:
+        return _ONE
+    return _power_weight(scattered, _chance(lights, k) * light_density(lights, k, origin, to_light))
+
+
+@device
+def _sky(tables, direction, scattered):
+    """Radiance of a ray that meets nothing, weighted."""
+    environment = tables.lights.environment
+    radiance = environment_radiance(environment, direction)
+    if environment.height == 0 or scattered == _ZERO:
+        return radiance
+    # A picture of the sky is always the last light; the constant part is not aimed at by itself.
+    k = tables.lights.kinds.rows - 1
+    aimed = _chance(tables.lights, k) * environment_density(environment, direction)
+    return radiance * _power_weight(scattered, aimed)
+
+
+@device
+def _emitted(tables, surface, material, origin, place, direction, scattered):
+    """Radiance that a surface emits along the ray that met it, weighted."""
+    values = tables.materials.values
+    emitted = vec3(values[material, 3], values[material, 4], values[material, 5])
+    if maximum_component(emitted) <= _ZERO:
+        return emitted
+    if values[material, 7] == _ZERO and dot(direction, surface.normal) >= _ZERO:
+        return vec3(_ZERO, _ZERO, _ZERO)
+    k = triangle_light(tables.surfaces, surface.item, surface.triangle)
+    if k < 0:
+        return emitted
+    return emitted * _weight_of_meeting(tables.lights, k, scattered, origin, place - origin)
+
+
+@device
+def _colour(tables, material, surface):
+    values = tables.materials.values
+    colour = vec3(values[material, 0], values[material, 1], values[material, 2])
+    texture = np.int64(tables.materials.textures[material])
+    if texture >= 0:
+        return colour * look_up(tables.textures, texture, surface.u, surface.v)
+    return colour
+
+
+@device
+def _aim(tables, wave, i, at, surface, shading, out, colour, carried):
+    """Aim at a light from a matte surface; the shadow ray goes to wave column `at`. Returns how many were made."""
+    lights = tables.lights
+    if lights.kinds.rows == 0:
+        return 0
+    floats = wave.floats
+    k, chance, _ = pick_light(lights, floats[rows.PICK_U, i])
+    sample = sample_light(lights, k, surface.place, floats[rows.LIGHT_U, i], floats[rows.LIGHT_V, i])
+    if sample.density < _ZERO:
+        return 0
+    to_light = vec3(sample.x, sample.y, sample.z)
+    cosine = dot(shading, to_light) / length(to_light)
+    # Light must come from the side that is looked at, by the true normal too.
+    if cosine <= _ZERO or dot(surface.normal, to_light) * dot(surface.normal, out) <= _ZERO:
+        return 0
+    weight = cosine * INV_PI / chance
+    if sample.density > _ZERO:
+        aimed = chance * sample.density
+        weight = cosine * INV_PI * _power_weight(aimed, cosine * INV_PI) / aimed
+    light = carried * colour * vec3(sample.red, sample.green, sample.blue) * weight
+    if not maximum_component(light) > _ZERO:
+        return 0
+    start = offset_point(surface.place, surface.normal, surface.error, to_light)
+    end = _FAR if sample.t_max == _FAR else _SHADOW_END
+    set_row_vec3(floats, rows.SHADOW_ORIGIN, at, start)
+    # The light's place seen from the moved start, so that the ray still ends on it.
+    set_row_vec3(floats, rows.SHADOW_DIRECTION, at, to_light if end == _FAR else to_light + (surface.place - start))
+    set_row_vec3(floats, rows.SHADOW_LIGHT, at, light)
+    floats[rows.SHADOW_END, at] = end
+    wave.ints[rows.SHADOW_OWNER, at] = wave.ints[rows.OWNER, i]
+    return 1
+
+
+@device
+def _survives(plan, depth, carried, u):
+    """What the path carries on after the game of chance, 0 if it ends; fair because survivors carry more."""
+    if depth < plan.roulette_depth:
+        return _ONE
+    chance = min(maximum_component(carried), _MOST_LIKELY)
+    return _ONE / chance if u < chance else _ZERO
+
+
+@device
+def _go_on(plan, wave, depth, i, to, surface, into, carried, density):
+    """Write the ray that goes on to wave column `to`. Returns how many were written."""
+    factor = _survives(plan, depth, carried, wave.floats[rows.PICK_V, i])
+    if factor == _ZERO or not maximum_component(carried) > _ZERO:
+        return 0
+    floats, ints = wave.floats, wave.ints
+    start = offset_point(surface.place, surface.normal, surface.error, into)
+    set_row_vec3(floats, rows.ORIGIN, to, start)
+    set_row_vec3(floats, rows.DIRECTION, to, into)
+    set_row_vec3(floats, rows.CARRIED, to, carried * factor)
+    floats[rows.DENSITY, to] = density
+    ints[rows.PIXEL, to] = ints[rows.PIXEL, i]
+    ints[rows.SAMPLE, to] = ints[rows.SAMPLE, i]
+    ints[rows.OWNER, to] = ints[rows.OWNER, i]
+    return 1
+
+
+@device
+def _shade(tables, plan, wave, count, depth):
+    """Emission, aiming and scattering of every path. Returns (paths that go on, shadow rays)."""
+    floats, ints, longs = wave.floats, wave.ints, wave.longs
+    alive, shadows = 0, 0
+    for i in range(count):
+        slot = longs[rows.HIT_SLOT, i]
+        owner = np.int64(ints[rows.OWNER, i])
+        origin, direction = row_vec3(floats, rows.ORIGIN, i), row_vec3(floats, rows.DIRECTION, i)
+        carried, scattered = row_vec3(floats, rows.CARRIED, i), floats[rows.DENSITY, i]
+        if slot < 0:
+            if slot == _LAMP:
+                k = longs[rows.HIT_INSTANCE, i]
+                to_light = direction * floats[rows.HIT_T, i]
+                radiance = lamp_radiance(tables.lights, k, origin + to_light, direction)
+                weight = _weight_of_meeting(tables.lights, k, scattered, origin, to_light)
+                add_radiance(wave, owner, carried * radiance * weight)
+            else:
+                add_radiance(wave, owner, carried * _sky(tables, direction, scattered))
+            continue
+        hit = Hit(
+            floats[rows.HIT_T, i], floats[rows.HIT_W1, i], floats[rows.HIT_W2, i], slot, longs[rows.HIT_INSTANCE, i]
+        )
+        surface = surface_at(tables.geometry, tables.surfaces, hit)
+        material = np.int64(tables.surfaces.items[surface.item, 1])
+        kind = tables.materials.kinds[material]
+        emitted = _emitted(tables, surface, material, origin, surface.place, direction, scattered)
+        if maximum_component(emitted) > _ZERO:
+            add_radiance(wave, owner, carried * emitted)
+        if depth == plan.max_depth or kind == BLACK:
+            continue
+        colour = _colour(tables, material, surface)
+        if kind == MATTE:
+            shading = surface.shading if dot(direction, surface.shading) < _ZERO else -surface.shading
+            shadows += _aim(tables, wave, i, shadows, surface, shading, -direction, colour, carried)
+            x, y = to_disk(floats[rows.SCATTER_U, i], floats[rows.SCATTER_V, i])
+            into, density = scatter_matte(shading, x, y)
+            if dot(into, surface.normal) * dot(direction, surface.normal) < _ZERO:
+                alive += _go_on(plan, wave, depth, i, alive, surface, into, carried * colour, density)
+        elif kind == MIRROR:
+            into = reflect(direction, surface.shading)
+            alive += _go_on(plan, wave, depth, i, alive, surface, into, carried * colour, _ZERO)
+        else:
+            ior = tables.materials.values[material, 6]
+            into, factor = scatter_glass(-direction, surface.shading, ior, floats[rows.SCATTER_U, i])
+            alive += _go_on(plan, wave, depth, i, alive, surface, into, carried * colour * factor, _ZERO)
+    return alive, shadows
+
+
+@device
+def _trace_shadows(tables, wave, count):
+    """Add the light of every shadow ray that nothing blocks."""
+    floats, ints = wave.floats, wave.ints
+    for i in range(count):
+        origin, direction = row_vec3(floats, rows.SHADOW_ORIGIN, i), row_vec3(floats, rows.SHADOW_DIRECTION, i)
+        end = floats[rows.SHADOW_END, i]
+        if occluded(tables.geometry, origin, direction, end, wave.scratch):
+            continue
+        if lamp_blocks(tables.lights, origin, direction, end):
+            continue
+        add_radiance(wave, np.int64(ints[rows.SHADOW_OWNER, i]), row_vec3(floats, rows.SHADOW_LIGHT, i))
+
+
+@device
+def _develop(plan, tile, first, count, wave, film):
+    """Add the wave's paths to the film, in their order."""
+    floats = wave.floats
+    samples = tile.last - tile.first
+    across = tile.x1 - tile.x0
+    for i in range(count):
+        place = (first + i) // samples
+        x, y = tile.x0 + place % across, tile.y0 + place // across
+        add_sample(film, x, y, floats[rows.RADIANCE, i], floats[rows.RADIANCE + 1, i], floats[rows.RADIANCE + 2, i])
+
+
+@kernel
+def path_trace_tile(scene_words, plan_words, film_words, wave_words, x0, x1, y0, y1, first_sample, last_sample):
+    """Path-trace samples `first_sample` ≤ s < `last_sample` of the pixels x0 ≤ x < x1, y0 ≤ y < y1 onto the film."""
+    tables, plan = open_scene(scene_words), open_plan(plan_words)
+    film, wave = open_film(film_words), open_wave(wave_words)
+    tile = Tile(x0, x1, y0, y1, first_sample, last_sample)
+    paths = (tile.x1 - tile.x0) * (tile.y1 - tile.y0) * (tile.last - tile.first)
+    size = wave.floats.columns
+    for first in range(0, paths, size):
+        count = min(size, paths - first)
+        _start(tables, plan, tile, first, count, wave)
+        alive = count
+        for depth in range(1, plan.max_depth + 1):
+            _trace(tables, wave, alive)
+            _draw_step(plan, wave, alive, depth)
+            alive, shadows = _shade(tables, plan, wave, alive, depth)
+            _trace_shadows(tables, wave, shadows)
+            if alive == 0:
+                break
+        _develop(plan, tile, first, count, wave, film)

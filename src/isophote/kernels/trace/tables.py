@@ -1,0 +1,40 @@
+"""All tables of a scene together, and the plan of a picture: what every rendering kernel is given."""
+
+from __future__ import annotations
+
+from isophote.kernels.accel.geometry import GEOMETRY
+from isophote.kernels.accel.surface import SURFACES
+from isophote.kernels.base.table import DOUBLE_BOXES, FLOAT_ROWS, INT, LONG_ROWS, Table
+from isophote.kernels.light.bsdf import MATERIALS
+from isophote.kernels.light.emitter import LIGHTS
+from isophote.kernels.light.texture import TEXTURES
+
+__all__ = ["FILM", "PLAN", "SCENE"]
+
+# A lowered scene; `camera` (10, 3), see camera.py.
+SCENE = Table(
+    "Scene",
+    geometry=GEOMETRY,
+    surfaces=SURFACES,
+    materials=MATERIALS,
+    textures=TEXTURES,
+    lights=LIGHTS,
+    camera=FLOAT_ROWS,
+)
+
+# How a picture is sampled: its size, the samples planned for a pixel, seed, pattern (sampler.py), reconstruction
+# filter (film.py), longest path in rays, and the number of rays after which paths may end by chance.
+PLAN = Table(
+    "Plan",
+    width=INT,
+    height=INT,
+    samples=INT,
+    seed=INT,
+    pattern=INT,
+    filter=INT,
+    max_depth=INT,
+    roulette_depth=INT,
+)
+
+# Sums over the samples of each pixel: `total`, `squares` (height, width · 3), `count` (height, width).
+FILM = Table("Film", total=DOUBLE_BOXES, squares=DOUBLE_BOXES, count=LONG_ROWS)

@@ -1,0 +1,78 @@
+"""A wave: some hundred paths that take each step together.
+
+Every step of a path tracer is a loop over the wave, so that sampling, which is plain arithmetic, runs eight or more
+paths at a time, while tracing and shading go ray by ray. Paths that end are squeezed out: the first `n` columns
+are always the living ones. Rows of the float state are below; whole numbers have rows of their own.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from isophote.kernels.accel.geometry import SCRATCH_WORDS
+from isophote.kernels.base import table
+from isophote.kernels.base.jit import device
+from isophote.kernels.base.table import Packed
+from isophote.kernels.base.vec import vec3
+
+__all__ = [
+    "WAVE",
+    "add_radiance",
+    "new_wave",
+    "row_vec3",
+    "set_row_vec3",
+]
+
+# Float rows of three: ray origin, ray direction, what the path carries (β), radiance gathered by the path in the same
+# column of the wave's start, shadow ray's origin and direction, and what its light would add.
+ORIGIN, DIRECTION, CARRIED, RADIANCE, SHADOW_ORIGIN, SHADOW_DIRECTION, SHADOW_LIGHT = 0, 3, 6, 9, 12, 15, 18
+# Single rows: density of the last scattering (0: none, or a single direction), shadow ray's end, hit, sample numbers
+# for the film and lens, or for picking a light and ending the path, for a place on the light, and for scattering.
+DENSITY, SHADOW_END, HIT_T, HIT_W1, HIT_W2 = 21, 22, 23, 24, 25
+PICK_U, PICK_V, LIGHT_U, LIGHT_V, SCATTER_U, SCATTER_V = 26, 27, 28, 29, 30, 31
+FLOAT_COUNT = 32
+
+# Unsigned rows: pixel, sample, column of the path at the wave's start, the same for its shadow ray.
+PIXEL, SAMPLE, OWNER, SHADOW_OWNER = 0, 1, 2, 3
+INT_COUNT = 4
+
+# Long rows: slot and instance of the hit.
+HIT_SLOT, HIT_INSTANCE = 0, 1
+LONG_COUNT = 2
+
+
+# `floats`, `ints`, `longs`: the rows above; `scratch` for the traversal.
+WAVE = table.Table("Wave", floats=table.FLOAT_ROWS, ints=table.WORD_ROWS, longs=table.LONG_ROWS, scratch=table.FLOATS)
+
+
+def new_wave(size: int) -> Packed:
+    """Scratch for waves of `size` paths; one for each thread."""
+    return WAVE.pack(
+        floats=np.zeros((FLOAT_COUNT, size), np.float32),
+        ints=np.zeros((INT_COUNT, size), np.uint32),
+        longs=np.zeros((LONG_COUNT, size), np.int64),
+        scratch=np.zeros(SCRATCH_WORDS, np.float32),
+    )
+
+
+@device
+def row_vec3(floats, row, i):
+    """The vector in rows `row` to `row + 2` of column `i`."""
+    return vec3(floats[row, i], floats[row + 1, i], floats[row + 2, i])
+
+
+@device
+def set_row_vec3(floats, row, i, v):
+    """Store a vector in rows `row` to `row + 2` of column `i`."""
+    floats[row, i] = v.x
+    floats[row + 1, i] = v.y
+    floats[row + 2, i] = v.z
+
+
+@device
+def add_radiance(wave, owner, radiance):
+    """Add to what the path that began in column `owner` has gathered."""
+    floats = wave.floats
+    floats[RADIANCE, owner] += radiance.x
+    floats[RADIANCE + 1, owner] += radiance.y
+    floats[RADIANCE + 2, owner] += radiance.z

@@ -1,0 +1,228 @@
+"""Lights into one table, with the chances of being aimed at."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from isophote.convert.triangulate import triangulate
+from isophote.errors import SceneError
+from isophote.kernels.base.table import Packed
+from isophote.kernels.light import emitter
+from isophote.kernels.light.emitter import LIGHTS
+from isophote.kernels.light.environment import ENVIRONMENT
+from isophote.scene.colour import srgb_to_linear
+from isophote.scene.light import DiskLight, Environment, Light, PointLight, RectLight, Sky, SphereLight, Sun
+from isophote.shapes.mesh import Mesh
+
+__all__ = ["LightTable", "rectangle_mesh"]
+
+Colour: TypeAlias = tuple[float, float, float]
+Points: TypeAlias = npt.NDArray[np.float64]
+
+_LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+_COLUMNS = 18
+# A quad counts as a parallelogram if its fourth corner is where the others put it, to this part of its size.
+_FLAT = 1e-6
+
+
+def rectangle_mesh(light: RectLight) -> Mesh:
+    """The rectangle in the light's own frame, facing −Y."""
+    x, z = light.size[0] / 2, light.size[1] / 2
+    return Mesh([(-x, 0, -z), (x, 0, -z), (x, 0, z), (-x, 0, z)], [(0, 1, 2, 3)])
+
+
+class LightTable:
+    """Collects lights row by row."""
+
+    def __init__(self) -> None:
+        self._kinds: list[int] = []
+        self._rows: list[list[float]] = []
+        self._power: list[float] = []
+        self._constant = np.zeros(3)
+        self._picture: Environment | None = None
+
+    def _add(self, kind: int, power: float, **fields: Any) -> int:
+        columns = {"place": 0, "edge1": 3, "edge2": 6, "normal": 9, "radiance": 12}
+        row = np.zeros(_COLUMNS)
+        for name, column in columns.items():
+            row[column : column + 3] = fields.get(name, (0, 0, 0))
+        row[15:18] = fields.get("area", 0), fields.get("two_sided", 0), fields.get("radius", 0)
+        self._kinds.append(kind)
+        self._rows.append(row.tolist())
+        self._power.append(power)
+        return len(self._kinds) - 1
+
+    def add_mesh(self, mesh: Mesh, matrix: Points, radiance: Colour, two_sided: bool) -> npt.NDArray[np.int32]:
+        """The lights that a shining mesh is made of; for each of its triangles, the number of its light.
+
+        A face that is a parallelogram is one light, any other one light a triangle.
+        """
+        cut = triangulate(mesh)
+        points = mesh.vertices @ matrix[:3, :3].T + matrix[:3, 3]
+        sign = -1.0 if np.linalg.det(matrix[:3, :3]) < 0 else 1.0
+        numbers = np.full(len(cut.triangles), -1, np.int32)
+        offsets = mesh.offsets
+        known: dict[int, int] = {}
+        for t, face in enumerate(cut.face.tolist()):
+            if face in known:
+                numbers[t] = known[face]
+                continue
+            corners = points[mesh.indices[offsets[face] : offsets[face + 1]]]
+            if len(corners) == 4 and _is_parallelogram(corners):
+                known[face] = numbers[t] = self._flat(corners[[0, 1, 3]], 1.0, sign, radiance, two_sided)
+            else:
+                numbers[t] = self._flat(points[cut.triangles[t]], 0.5, sign, radiance, two_sided)
+        return numbers
+
+    def _flat(self, corners: Points, part: float, sign: float, radiance: Colour, two_sided: bool) -> int:
+        """A triangle (`part` ½) or parallelogram (1) over two edges from the first corner; −1 without area."""
+        edge1, edge2 = corners[1] - corners[0], corners[2] - corners[0]
+        normal = np.cross(edge1, edge2)
+        size = float(np.linalg.norm(normal))
+        if size == 0:
+            return -1
+        area = part * size
+        return self._add(
+            emitter.PARALLELOGRAM if part == 1.0 else emitter.TRIANGLE,
+            math.pi * area * float(_LUMINANCE @ radiance) * (2 if two_sided else 1),
+            place=corners[0],
+            edge1=edge1,
+            edge2=edge2,
+            normal=sign * normal / size,
+            radiance=radiance,
+            area=area,
+            two_sided=two_sided,
+        )
+
+    def add(self, light: Light, reach: float) -> None:
+        """A light other than a rectangle; `reach` is the radius of the scene, for the power of those far away."""
+        if isinstance(light, PointLight):
+            power = light.power * float(_LUMINANCE @ light.colour)
+            self._add(emitter.POINT, power, place=light.position, radiance=light.intensity_rgb)
+        elif isinstance(light, Sun):
+            irradiance = light.irradiance_rgb
+            power = math.pi * reach**2 * float(_LUMINANCE @ irradiance)
+            self._add(emitter.SUN, power, normal=light.unit_direction, radiance=irradiance)
+        elif isinstance(light, DiskLight | SphereLight):
+            self._add_lamp(light)
+        elif isinstance(light, Sky):
+            self._constant += light.radiance_rgb
+        elif isinstance(light, Environment):
+            if self._picture is not None:
+                raise SceneError("lights: a scene can have one Environment; add the pictures up before")
+            self._picture = light
+        else:
+            raise SceneError(f"lights: a {type(light).__name__} cannot be rendered")
+
+    def _add_lamp(self, light: DiskLight | SphereLight) -> None:
+        radiance = light.radiance_rgb
+        power = math.pi * light.emitting_area * float(_LUMINANCE @ radiance)
+        matrix = light.transform.matrix
+        if isinstance(light, SphereLight):
+            self._add(emitter.SPHERE, power, place=light.position, radius=light.radius, radiance=radiance)
+            return
+        self._add(
+            emitter.DISK,
+            power,
+            place=light.position,
+            edge1=light.radius * matrix[:3, 0],
+            edge2=light.radius * matrix[:3, 2],
+            normal=-matrix[:3, 1],
+            radiance=radiance,
+            area=light.area,
+            two_sided=light.two_sided,
+        )
+
+    def build(self, reach: float) -> Packed:
+        """The table; a picture of the sky, if there is one, is its last row."""
+        environment, power = _lower_environment(self._constant, self._picture)
+        if self._picture is not None:
+            self._add(emitter.ENVIRONMENT, math.pi * reach**2 * power)
+        kinds = np.array(self._kinds, np.int32)
+        lamps = np.flatnonzero((kinds == emitter.DISK) | (kinds == emitter.SPHERE))
+        return LIGHTS.pack(
+            kinds=kinds,
+            values=np.array(self._rows, np.float32).reshape(-1, _COLUMNS),
+            cdf=_cumulative(np.array(self._power)),
+            lamps=lamps.astype(np.int32),
+            environment=environment,
+        )
+
+
+def _is_parallelogram(p: Points) -> bool:
+    size = max(float(np.linalg.norm(p[2] - p[0])), float(np.linalg.norm(p[3] - p[1])))
+    return float(np.linalg.norm(p[0] + p[2] - p[1] - p[3])) <= _FLAT * size
+
+
+def _cumulative(power: npt.NDArray[np.float64]) -> npt.NDArray[np.float32]:
+    """0 to 1 in steps that grow by each light's share; every light has some."""
+    if len(power) == 0:
+        return np.zeros(1, np.float32)
+    total = power.sum()
+    share = power / total if total > 0 else np.full(len(power), 1 / len(power))
+    share = np.maximum(share, 1e-3 / len(power))
+    cdf = np.concatenate([np.zeros(1), np.cumsum(share / share.sum())])
+    cdf[-1] = 1.0
+    return cdf.astype(np.float32)
+
+
+def _lower_environment(constant: Points, picture: Environment | None) -> tuple[Packed, float]:
+    """The table, and the luminance that comes from all directions together."""
+    texels = np.zeros((0, 0, 3)) if picture is None else _texels(picture)
+    height, width, _ = texels.shape
+    rows, columns = _sky_shares(texels + constant) if picture else (np.zeros(1), np.zeros((0, 1)))
+    packed = ENVIRONMENT.pack(
+        constant=constant.astype(np.float32),
+        texels=np.ascontiguousarray(texels.reshape(-1, 3), np.float32),
+        height=height,
+        width=width,
+        row_shares=rows.astype(np.float32),
+        column_shares=columns.astype(np.float32),
+        rotation=picture.rotation if picture else 0.0,
+    )
+    return packed, _sky_power(texels + constant) if picture else 0.0
+
+
+def _texels(picture: Environment) -> Points:
+    """(h, w, 3) linear radiance."""
+    image = picture.texture
+    width, height = image.size
+    pixels = image.pixels.reshape(height, width, -1)
+    texels = pixels / 255.0 if pixels.dtype == np.uint8 else pixels.astype(np.float64)
+    texels = texels[..., :1].repeat(3, axis=2) if image.channels == 1 else texels[..., :3]
+    if image.colour_space == "srgb":
+        texels = srgb_to_linear(texels)
+    radiance: Points = texels * picture.strength
+    return radiance
+
+
+def _sky_shares(texels: Points) -> tuple[Points, Points]:
+    """Cumulative light by rows, and within each row, every texel weighed by its solid angle.
+
+    A texel's share is the most of it and its neighbours, since lookups blend neighbours: nothing that shines must have
+    no chance.
+    """
+    height, _, _ = texels.shape
+    light = texels @ _LUMINANCE
+    wide = np.maximum(light, np.maximum(np.roll(light, 1, axis=1), np.roll(light, -1, axis=1)))
+    tall = wide.copy()
+    tall[1:] = np.maximum(tall[1:], wide[:-1])
+    tall[:-1] = np.maximum(tall[:-1], wide[1:])
+    weight = tall * np.sin(np.pi * (np.arange(height) + 0.5) / height)[:, None] + 1e-12
+    columns = np.concatenate([np.zeros((height, 1)), np.cumsum(weight, axis=1)], axis=1)
+    rows = np.concatenate([np.zeros(1), np.cumsum(columns[:, -1])])
+    columns /= columns[:, -1:]
+    rows /= rows[-1]
+    return rows, columns
+
+
+def _sky_power(texels: Points) -> float:
+    """Luminance integrated over all directions."""
+    height, width, _ = texels.shape
+    sines = np.sin(np.pi * (np.arange(height) + 0.5) / height)
+    solid_angles = sines * 2 * np.pi**2 / (width * height)
+    return float(((texels @ _LUMINANCE).sum(axis=1) * solid_angles).sum())
