@@ -18,6 +18,12 @@ Corners: TypeAlias = npt.NDArray[np.int64]
 # Diagonals of about the same length are one length: rounding must not choose between those of a square.
 _CLEARLY = 1 - 1e-9
 
+_ALONG_0_2 = (0, 1, 2, 0, 2, 3)
+_ALONG_1_3 = (0, 1, 3, 1, 2, 3)
+
+# Quads at a time: so many that their coordinates stay in the cache.
+_CHUNK = 8192
+
 
 class Triangles(NamedTuple):
     """The triangles of a mesh, face by face in the mesh's order, each turned as its face is.
@@ -70,41 +76,48 @@ def _as_they_are(mesh: Mesh) -> Triangles:
 
 
 def _cut_quads(vertices: Points, indices: npt.NDArray[np.int32], own: Corners) -> Corners:
-    """(q, 2, 3) corners of the two triangles of each quad, whose corners are `own`, (q, 4).
-
-    A diagonal lies inside where both of its triangles turn as the whole quad does.
-    """
-    p = _unit_sized(vertices[indices[own]])
-    normal = np.cross(p[:, 2] - p[:, 0], p[:, 3] - p[:, 1])
-    turn = np.stack([_turns(p, normal, k) for k in range(4)])
-    # The diagonal 0-2 makes triangles with their tips at 1 and 3, the diagonal 1-3 with theirs at 2 and 0.
-    first, second = np.minimum(turn[1], turn[3]), np.minimum(turn[0], turn[2])
-    shorter = _squares(p[:, 1] - p[:, 3]) < _CLEARLY * _squares(p[:, 0] - p[:, 2])
-    both = (first > 0) & (second > 0)
-    other = np.where(both, shorter, second > first)
-    pattern = np.where(other[:, None], [0, 1, 3, 1, 2, 3], [0, 1, 2, 0, 2, 3])
-    return np.take_along_axis(own, pattern, axis=1).reshape(-1, 2, 3)
+    """(q, 2, 3) corners of the two triangles of each quad, whose corners are `own`, (q, 4)."""
+    corners = np.empty((len(own), 2, 3), np.int64)
+    for start in range(0, len(own), _CHUNK):
+        chunk = own[start : start + _CHUNK]
+        along_1_3 = _cut_along_1_3(_unit_sized(vertices[indices[chunk]]))
+        pattern = np.where(along_1_3, *(np.array(p, np.int64)[:, None] for p in (_ALONG_1_3, _ALONG_0_2)))
+        corners[start : start + _CHUNK] = np.take_along_axis(chunk, pattern.T, axis=1).reshape(-1, 2, 3)
+    return corners
 
 
 def _unit_sized(quads: Points) -> Points:
-    """Quads moved to the origin and scaled to about 1, so that no product over- or underflows."""
-    moved = quads * 0.5
+    """(3, 4, q): quads moved to the origin and scaled to about 1, so that no product over- or underflows."""
+    moved = np.ascontiguousarray((quads * 0.5).transpose(2, 1, 0))
     moved -= moved[:, :1].copy()
-    extent = np.abs(moved).max(axis=(1, 2), keepdims=True)
-    moved /= np.where(extent > 0, extent, 1.0)
-    return moved
+    # A power of two rounds nothing: straight corners stay straight.
+    exponent = np.frexp(np.abs(moved).max(axis=(0, 1)))[1]
+    scaled: Points = np.ldexp(moved, -exponent)
+    return scaled
 
 
-def _turns(p: Points, normal: Points, k: int) -> Points:
-    """Twice the signed area of corner `k` with its neighbours, times the length of the quad's normal."""
-    before, at, after = p[:, k - 1], p[:, k], p[:, (k + 1) % 4]
-    turns: Points = np.einsum("qi,qi->q", np.cross(at - before, after - at), normal)
-    return turns
+def _cut_along_1_3(p: Points) -> npt.NDArray[np.bool_]:
+    """(q,) whether a quad is cut from its corner 1 to 3, rather than from 0 to 2.
+
+    A diagonal lies inside where both of its triangles turn as the whole quad does.
+    """
+    edges = np.roll(p, -1, axis=1) - p
+    even, odd = p[:, 2] - p[:, 0], p[:, 3] - p[:, 1]
+    normal = _cross(even, odd)
+    turn = [_dot(_cross(edges[:, k - 1], edges[:, k]), normal) for k in range(4)]
+    inside_0_2, inside_1_3 = np.minimum(turn[1], turn[3]), np.minimum(turn[0], turn[2])
+    shorter = _dot(odd, odd) < _CLEARLY * _dot(even, even)
+    cut: npt.NDArray[np.bool_] = np.where((inside_0_2 > 0) & (inside_1_3 > 0), shorter, inside_1_3 > inside_0_2)
+    return cut
 
 
-def _squares(edges: Points) -> Points:
-    squares: Points = np.einsum("qi,qi->q", edges, edges)
-    return squares
+def _cross(a: Points, b: Points) -> Points:
+    return np.stack([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+
+
+def _dot(a: Points, b: Points) -> Points:
+    dot: Points = a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    return dot
 
 
 def _clip_polygons(mesh: Mesh, faces: Corners, first: Corners, corners: Corners) -> None:

@@ -14,6 +14,7 @@ from isophote.scene.fields import VectorLike
 from isophote.scene.light import Light, RectLight, Sky
 from isophote.scene.material import Emitter, Matte
 from isophote.scene.scene import Item, Scene, Shape, is_shape
+from isophote.scene.transform import unit_vector
 from isophote.shapes.mesh import Mesh
 
 __all__ = ["frame", "studio"]
@@ -57,8 +58,7 @@ def frame(
     if not (math.isfinite(aspect) and aspect > 0):
         raise SceneError(f"aspect must be a finite number above 0, but is {aspect}")
     centre, radius = _sphere(bounds)
-    toward = np.asarray(direction, np.float64)
-    toward = toward / np.linalg.norm(toward)
+    toward = unit_vector(direction, "direction")
     probe = Camera(toward, (0, 0, 0), up=_up(toward), fov_degrees=fov_degrees)
     half = math.atan(math.tan(math.radians(probe.fov_degrees) / 2) * min(aspect, 1.0))
     distance = _MARGIN * radius / math.sin(half)

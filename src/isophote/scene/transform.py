@@ -11,7 +11,7 @@ import numpy.typing as npt
 from isophote.errors import SceneError
 from isophote.scene.fields import ArrayKey, VectorLike, frozen_array
 
-__all__ = ["Axis", "Transform", "look_frame"]
+__all__ = ["Axis", "Transform", "look_frame", "unit_vector"]
 
 Matrix: TypeAlias = npt.NDArray[np.float64]
 Axis: TypeAlias = str | VectorLike
@@ -19,6 +19,10 @@ Axis: TypeAlias = str | VectorLike
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 _LAST_ROW = (0.0, 0.0, 0.0, 1.0)
 _PARALLEL = 1e-9
+
+# Matrices that flatten space by so much, or shrink it so far, have no inverse in floating point.
+_FLAT = 1e-14
+_TINY = 1e-300
 
 
 def _matrix(value: npt.ArrayLike) -> Matrix:
@@ -42,7 +46,7 @@ def _matrix(value: npt.ArrayLike) -> Matrix:
 
 def _is_singular(linear: Matrix) -> bool:
     values = np.linalg.svd(linear, compute_uv=False)
-    return bool(values[2] <= 1e-14 * values[0])
+    return bool(values[2] <= max(_FLAT * values[0], _TINY))
 
 
 def _three(value: VectorLike, what: str) -> Matrix:
@@ -55,7 +59,8 @@ def _three(value: VectorLike, what: str) -> Matrix:
     return three
 
 
-def _unit(axis: Axis, what: str) -> Matrix:
+def unit_vector(axis: Axis, what: str) -> Matrix:
+    """(3,) unit vector along an axis, which `what` names in the message of a `SceneError`."""
     if isinstance(axis, str):
         if axis not in _AXES:
             raise SceneError(f"{what} must be 'x', 'y', 'z' or a vector, but is {axis!r}")
@@ -76,8 +81,8 @@ def look_frame(eye: VectorLike, target: VectorLike, up: VectorLike) -> Matrix:
     origin, goal = _three(eye, "eye"), _three(target, "target")
     if (origin == goal).all():
         raise SceneError(f"eye and target are both {tuple(origin.tolist())}; they must be apart")
-    back = _unit(origin - goal, "the view direction")
-    across = np.cross(_unit(up, "up"), back)
+    back = unit_vector(origin - goal, "the view direction")
+    across = np.cross(unit_vector(up, "up"), back)
     length = float(np.linalg.norm(across))
     if length < _PARALLEL:
         raise SceneError(
@@ -117,9 +122,9 @@ class Transform:
 
     def rotate(self, axis: Axis, angle: float) -> Transform:
         """Then turn about the line through the origin along `axis`, by `angle` radians, right-handed."""
-        if not np.isfinite(angle):
+        if not isinstance(angle, int | float | np.number) or not np.isfinite(angle):
             raise SceneError(f"angle must be a finite number of radians, but is {angle!r}")
-        x, y, z = _unit(axis, "axis")
+        x, y, z = unit_vector(axis, "axis")
         cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
         # Rodrigues' formula
         linear = np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * (cross @ cross)
@@ -132,7 +137,7 @@ class Transform:
 
     def mirror(self, axis: Axis) -> Transform:
         """Then mirror at the plane through the origin that is perpendicular to `axis`."""
-        normal = _unit(axis, "axis")
+        normal = unit_vector(axis, "axis")
         return Transform(_affine(np.eye(3) - 2 * np.outer(normal, normal))) @ self
 
     def then(self, other: Transform) -> Transform:
