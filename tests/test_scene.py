@@ -360,3 +360,10 @@ def test_the_studio_takes_items_lists_and_scenes():
     assert studio(lit).camera is not None
     whole = Scene([], [Sky()], camera)
     assert studio(whole) == whole
+
+
+def test_the_documented_example_runs():
+    text = (Path(__file__).parents[1] / "docs/scenes.md").read_text()
+    names: dict[str, object] = {}
+    exec(text.split("```python")[1].split("```")[0], names)
+    assert names["scene"].bounds.tolist() == [[-5, 0, -5], [5, 1, 5]]
