@@ -18,7 +18,7 @@ from isophote.io.gltf.material import MARK
 from isophote.scene.camera import AnyCamera, Camera, OrthographicCamera
 from isophote.scene.light import Light, PointLight, Sun
 
-__all__ = ["PlacedNode", "read_camera", "read_light", "walk"]
+__all__ = ["PlacedNode", "read_camera", "read_light", "scene_name", "walk"]
 
 Matrix: TypeAlias = npt.NDArray[np.float64]
 
@@ -51,6 +51,12 @@ def walk(document: Document) -> Iterator[PlacedNode]:
             field.fail("is placed beyond all numbers; its transforms multiply to infinity")
         yield PlacedNode(field, matrix)
         pending.extend((child, matrix) for child in reversed(field.indices("children")))
+
+
+def scene_name(document: Document) -> str | None:
+    """The name of the file's scene, if it has one."""
+    root = document.root
+    return root.entry("scenes", root.integer("scene", 0)).text("name") if root.array("scenes") else None
 
 
 def _roots(document: Document) -> list[int]:

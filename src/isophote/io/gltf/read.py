@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import warnings
 from os import fspath
 from pathlib import Path
@@ -16,7 +17,7 @@ from isophote.io.gltf.field import Field
 from isophote.io.gltf.geometry import UvMap, read_primitive
 from isophote.io.gltf.material import MaterialReader
 from isophote.io.gltf.merge import merged
-from isophote.io.gltf.nodes import PlacedNode, read_camera, read_light, walk
+from isophote.io.gltf.nodes import PlacedNode, read_camera, read_light, scene_name, walk
 from isophote.scene.camera import AnyCamera
 from isophote.scene.light import Light
 from isophote.scene.scene import Item, Scene
@@ -42,7 +43,7 @@ def read_gltf_scene(path: Path, data: bytes, *, strict: bool = False) -> Scene:
         light = read_light(document, node)
         lights += [] if light is None else [light]
         camera = camera or read_camera(document, node)
-    return Scene(items, lights, camera)
+    return Scene(items, lights, camera, scene_name(document))
 
 
 def read_gltf_mesh(path: Path, data: bytes) -> Mesh:
@@ -79,7 +80,7 @@ class _Parts:
 
     document: Document
     materials: MaterialReader | None
-    _meshes: dict[tuple[int, int], Mesh | None] = attrs.field(init=False, factory=dict)
+    _meshes: dict[tuple[str, UvMap], Mesh | None] = attrs.field(init=False, factory=dict)
 
     def items(self, node: PlacedNode) -> list[Item]:
         """The items at a node."""
@@ -103,19 +104,17 @@ class _Parts:
         """The meshes at a node, with the primitives they come from."""
         if "mesh" not in node.field:
             return []
-        number = node.field.integer("mesh")
-        found = []
-        for index, primitive in enumerate(self._mesh_field(node).children("primitives")):
-            mesh = self._mesh(number, index, primitive)
-            if mesh is not None:
-                found.append((mesh, primitive))
-        return found
+        primitives = self._mesh_field(node).children("primitives")
+        found = [(self._mesh(primitive), primitive) for primitive in primitives]
+        return [(mesh, primitive) for mesh, primitive in found if mesh is not None]
 
     def _mesh_field(self, node: PlacedNode) -> Field:
         return self.document.root.entry("meshes", node.field.integer("mesh"))
 
-    def _mesh(self, number: int, index: int, primitive: Field) -> Mesh | None:
-        if (number, index) not in self._meshes:
-            uv_map = UvMap() if self.materials is None else self.materials.uv_map(primitive)
-            self._meshes[number, index] = read_primitive(self.document, primitive, uv_map)
-        return self._meshes[number, index]
+    def _mesh(self, primitive: Field) -> Mesh | None:
+        """The mesh of a primitive; primitives of the same data, such as those of two materials, share it."""
+        uv_map = UvMap() if self.materials is None else self.materials.uv_map(primitive)
+        data = json.dumps([primitive.value.get(key) for key in ("attributes", "indices", "mode")], sort_keys=True)
+        if (data, uv_map) not in self._meshes:
+            self._meshes[data, uv_map] = read_primitive(self.document, primitive, uv_map)
+        return self._meshes[data, uv_map]

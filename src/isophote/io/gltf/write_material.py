@@ -1,0 +1,148 @@
+"""Materials and textures as JSON of glTF files."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from io import BytesIO
+from os import fspath
+from typing import Any, TypeAlias
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+from PIL import Image as Pillow
+
+from isophote.errors import IsophoteWarning
+from isophote.io.files import StrPath
+from isophote.io.gltf.build import Builder
+from isophote.io.gltf.material import MARK
+from isophote.io.srgb import from_srgb, to_srgb
+from isophote.scene.colour import Colour
+from isophote.scene.material import Emitter, Glass, Material, Matte, Mirror, Principled
+from isophote.scene.texture import Texture
+
+__all__ = ["MaterialWriter"]
+
+Json: TypeAlias = dict[str, Any]
+Pixels: TypeAlias = npt.NDArray[Any]
+
+_WRAPS = {"repeat": 10497, "clamp": 33071, "mirror": 33648}
+_FILTERS = {"bilinear": 9729, "nearest": 9728}
+
+
+@attrs.define
+class MaterialWriter:
+    """Writes each material and each picture once."""
+
+    path: StrPath
+    builder: Builder
+    _materials: dict[Material, int] = attrs.field(init=False, factory=dict)
+    _textures: dict[tuple[Texture, str], int] = attrs.field(init=False, factory=dict)
+
+    def material(self, material: Material) -> int:
+        """The number of a material."""
+        if material not in self._materials:
+            self._materials[material] = self.builder.add("materials", self._written(material))
+        return self._materials[material]
+
+    def _written(self, material: Material) -> Json:
+        """The nearest that glTF has; what it has no words for is told beside it."""
+        if isinstance(material, Principled):
+            return self._principled(material)
+        if isinstance(material, Glass):
+            return self._glass(material)
+        return self._principled(_nearest(material)) | {"extras": {MARK: {"material": type(material).__name__}}}
+
+    def _principled(self, material: Principled) -> Json:
+        pbr: Json = {
+            "baseColorFactor": [*material.colour, material.opacity],
+            "metallicFactor": material.metallic,
+            "roughnessFactor": material.roughness,
+        }
+        written: Json = {
+            "pbrMetallicRoughness": pbr,
+            "alphaMode": material.alpha_mode.upper(),
+            "doubleSided": material.two_sided,
+            **self._emission(material.emission),
+        }
+        if material.alpha_mode == "mask":
+            written["alphaCutoff"] = material.alpha_cutoff
+        self._put(pbr, "baseColorTexture", material.colour_texture, "srgb")
+        self._put(pbr, "metallicRoughnessTexture", material.metallic_roughness_texture, "linear")
+        self._put(written, "normalTexture", material.normal_texture, "linear", scale=material.normal_scale)
+        strength = material.occlusion_strength
+        self._put(written, "occlusionTexture", material.occlusion_texture, "linear", strength=strength)
+        self._put(written, "emissiveTexture", material.emission_texture, "srgb")
+        return written
+
+    def _emission(self, emission: Colour) -> Json:
+        """Factors up to 1, and beyond that a strength: a power of two, so that the product is exact."""
+        largest = max(emission)
+        if largest <= 1:
+            return {"emissiveFactor": list(emission)} if largest else {}
+        name = "KHR_materials_emissive_strength"
+        self.builder.extensions.add(name)
+        strength = 2.0 ** math.ceil(math.log2(largest))
+        return {
+            "emissiveFactor": [min(channel / strength, 1.0) for channel in emission],
+            "extensions": {name: {"emissiveStrength": strength}},
+        }
+
+    def _glass(self, material: Glass) -> Json:
+        extensions = {
+            "KHR_materials_transmission": {"transmissionFactor": 1.0},
+            "KHR_materials_ior": {"ior": material.ior},
+        }
+        self.builder.extensions |= set(extensions)
+        pbr = {"baseColorFactor": [*material.colour, 1.0], "metallicFactor": 0.0, "roughnessFactor": 0.0}
+        return {"pbrMetallicRoughness": pbr, "extensions": extensions}
+
+    def _put(self, holder: Json, key: str, texture: Texture | None, space: str, **factors: float) -> None:
+        if texture is not None:
+            holder[key] = {"index": self._texture(texture, space), **factors}
+
+    def _texture(self, texture: Texture, space: str) -> int:
+        if (texture, space) not in self._textures:
+            sampler = {"magFilter": _FILTERS[texture.filter], "wrapS": _WRAPS[texture.wrap]}
+            sampler["wrapT"] = sampler["wrapS"]
+            view = self.builder.add_bytes(self._png(texture, space))
+            image: Json = {"mimeType": "image/png", "bufferView": view}
+            if texture.name is not None:
+                image["name"] = texture.name
+            entry = {"source": self.builder.add("images", image), "sampler": self.builder.add("samplers", sampler)}
+            self._textures[texture, space] = self.builder.add("textures", entry)
+        return self._textures[texture, space]
+
+    def _png(self, texture: Texture, space: str) -> bytes:
+        pixels = texture.pixels
+        if pixels.dtype != np.uint8 or texture.colour_space != space:
+            name = f'the texture "{texture.name}"' if texture.name else "a texture"
+            warnings.warn(
+                f"{fspath(self.path)}: {name} becomes 8-bit {space}, which glTF wants here",
+                IsophoteWarning,
+                stacklevel=6,
+            )
+            pixels = _as_bytes(texture, space)
+        buffer = BytesIO()
+        Pillow.fromarray(pixels[..., 0] if pixels.shape[2:] == (1,) else pixels).save(buffer, "PNG")
+        return buffer.getvalue()
+
+
+def _nearest(material: Matte | Mirror | Emitter) -> Principled:
+    if isinstance(material, Mirror):
+        return Principled(material.colour, metallic=1.0, roughness=0.0)
+    if isinstance(material, Emitter):
+        return Principled(0.0, roughness=1.0, emission=material.radiance, two_sided=material.two_sided)
+    if isinstance(material.colour, Texture):
+        return Principled(1.0, roughness=1.0, colour_texture=material.colour, two_sided=True)
+    return Principled(material.colour, roughness=1.0, two_sided=True)
+
+
+def _as_bytes(texture: Texture, space: str) -> Pixels:
+    """The pixels at 8 bits in another colour space; a fourth channel has none."""
+    given = texture.pixels if texture.pixels.ndim == 3 else texture.pixels[..., None]
+    values = np.clip(given / (255.0 if given.dtype == np.uint8 else 1.0), 0.0, 1.0)
+    if texture.colour_space != space:
+        values[..., :3] = (to_srgb if space == "srgb" else from_srgb)(values[..., :3])
+    return np.floor(values * 255.0 + 0.5).astype(np.uint8)
