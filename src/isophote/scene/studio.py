@@ -21,15 +21,15 @@ __all__ = ["frame", "studio"]
 
 # Three quarters from the front and so far above that the horizon stays out of the picture.
 _VIEW = (0.453, 0.423, 0.785)
-_KEY = (-0.5, 1.0, 0.55)
+_KEY = (-0.75, 1.0, 0.4)
 _KEY_DISTANCE = 5.0
-_KEY_RADIANCE = 14.0
-_SKY_RADIANCE = 0.4
+_KEY_RADIANCE = 18.0
+_SKY_RADIANCE = 0.25
 _GROUND_REACH = 100.0
 _GROUND_GAP = 1e-3
-_MARGIN = 1.1
-_CLAY = Matte((0.68, 0.64, 0.58))
-_GROUND = Matte(0.6)
+_MARGIN = 1.03
+_CLAY = Matte((0.72, 0.66, 0.56))
+_GROUND = Matte(0.5)
 
 
 def _sphere(bounds: npt.ArrayLike) -> tuple[npt.NDArray[np.float64], float]:
