@@ -58,7 +58,7 @@ class _Kind(NamedTuple):
 # anything else are cut into pieces of this length. Fixed: it must not depend on the number of threads.
 _GRAIN = 1 << 16
 
-_TRIANGLES = _Kind(LANES, 4, 12, np.float32(0.6), np.float32(0.25))
+_TRIANGLES = _Kind(LANES, 4, 16, np.float32(0.6), np.float32(0.2))
 _BOXES = _Kind(1, 1, MAX_BLOCKS, np.float32(0), np.float32(8))
 
 
@@ -153,7 +153,7 @@ class _Branch(NamedTuple):
     """A node near the root: its range of items, its level, and the bounds of its boxes and of their centres."""
 
     first: int
-    count: int
+    items: int
     depth: int
     bounds: FloatArray
 
@@ -177,7 +177,7 @@ def _grow(run: _Run, records: FloatArray, count: int, whole: FloatArray, kind: _
     rows = nodes.reshape(-1, build.RECORD)
     for node, branch in enumerate(branches):
         rows[node] = branch.bounds[:8]
-        rows.view(np.int32)[node, [3, 7]] = branch.first, branch.count
+        rows.view(np.int32)[node, [3, 7]] = branch.first, branch.items
 
     def subtree(node: int) -> None:
         first, _, depth, bounds = branches[node]
@@ -188,7 +188,7 @@ def _grow(run: _Run, records: FloatArray, count: int, whole: FloatArray, kind: _
         build_wide.collapse_costs(nodes, children, costs, free, end, *kind[:1], *kind[2:])
 
     small = [node for node, link in enumerate(links) if link == 0]
-    small.sort(key=lambda node: -branches[node].count)
+    small.sort(key=lambda node: -branches[node].items)
     run(subtree, [(node,) for node in small])
     build_wide.collapse_costs(nodes, children, costs, 0, len(branches), *kind[:1], *kind[2:])
     return _Skeleton(nodes, children, costs, order)
@@ -207,7 +207,7 @@ def _split_large(
         for node in level:
             links[node] = len(branches)
             for branch in next(found):
-                if branch.count > _GRAIN:
+                if branch.items > _GRAIN:
                     following.append(len(branches))
                 branches.append(branch)
                 links.append(0)
@@ -218,7 +218,7 @@ def _split_large(
 def _range(branch: _Branch, count: int) -> tuple[int, int]:
     """Where a node's records lie: even levels in the first half."""
     start = branch.first + branch.depth % 2 * count
-    return start, start + branch.count
+    return start, start + branch.items
 
 
 def _split_level(
@@ -242,17 +242,17 @@ def _split_level(
     found = [np.empty((len(parts), 32), np.float32) for parts in pieces]
     jobs, left_counts = [], []
     for branch, parts, table, sides in zip(level, pieces, tables, found, strict=True):
-        start, end = _range(branch, count)
+        start, _ = _range(branch, count)
         counts = table.view(np.int32)[:, build.COUNTS : build.COUNTS + 3 * build.BINS].copy()
-        axis, plane = build.choose_split(table.reshape(-1), len(parts), branch.depth, branch.count, kind.lanes)
+        axis, plane = build.choose_split(table.reshape(-1), len(parts), branch.depth, branch.items, kind.lanes)
         middle = 0
         if axis < 0:
-            axis, plane, middle = 0, 0, start + branch.count // 2
+            axis, plane, middle = 0, 0, start + branch.items // 2
             left = [max(min(b, middle) - a, 0) for a, b in parts]
         else:
             left = counts[:, axis * build.BINS : axis * build.BINS + plane].sum(axis=1).tolist()
         low = branch.first + (branch.depth + 1) % 2 * count
-        high = low + branch.count
+        high = low + branch.items
         for i, (a, b) in enumerate(parts):
             jobs.append((records, a, b, low, high, axis, plane, middle, branch.bounds[8:], sides[i]))
             low += left[i]
@@ -262,7 +262,7 @@ def _split_level(
     children = []
     for branch, sides, left_count in zip(level, found, left_counts, strict=True):
         boxes = sides.min(axis=0).reshape(4, 8)
-        right_count = branch.count - left_count
+        right_count = branch.items - left_count
         children.append(
             (
                 _Branch(branch.first, left_count, branch.depth + 1, boxes[[0, 2]].reshape(-1)),
