@@ -2,12 +2,14 @@
 
 An ear is a corner that turns as the polygon does and whose triangle holds no other corner; a simple polygon of more
 than three corners always has two (Meisters: "Polygons have ears", American Mathematical Monthly 82(6), 1975). Only
-reflex corners, those that do not turn as the polygon does, can lie in an ear, so only they are looked at.
+reflex corners, those that do not turn as the polygon does, can lie in an ear, so only they are looked at. They are
+kept in lists, one for each cell of a grid over the polygon, and an ear asks the cells that it reaches into.
 """
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -18,9 +20,22 @@ __all__ = ["clip_ears"]
 
 # A polygon that had so many corners cut off without being ears crosses itself all over, and no cut is better than
 # another: the rest is cut in turn, so that no input takes long.
-_MOST_FORCED = 256
+_MOST_FORCED = 64
 
 _LEAST_EXPONENT = -1000
+
+# Corners for each cell of the grid, if all were reflex.
+_CORNERS_A_CELL = 4
+
+
+class Grid(NamedTuple):
+    """A square grid over a polygon: its lower corner, cells for a unit of length, and cells along a side."""
+
+    x: float
+    y: float
+    cells_x: float
+    cells_y: float
+    side: int
 
 
 @njit(nogil=True, error_model="numpy")
@@ -41,8 +56,8 @@ def clip_ears(vertices, indices, offsets, faces, first, corners):
         most = max(most, offsets[face + 1] - offsets[face])
     flat = np.empty((2, most))
     ring = np.empty((2, most), np.int64)
-    # One more entry than corners: the last is where the list of reflex corners begins and ends.
-    reflex = np.empty((2, most + 1), np.int64)
+    # After the corners one entry for each cell of the grid, where its list of reflex corners begins and ends.
+    reflex = np.empty((2, most + max(most // _CORNERS_A_CELL, 1)), np.int64)
     for face in faces:
         start, count = offsets[face], offsets[face + 1] - offsets[face]
         _flatten(vertices, indices, start, count, flat)
@@ -136,12 +151,13 @@ def _clip(x, y, count, ring, reflex, start, triangles):
     insides apart, and an ear could not be told from a corner across the fold.
     """
     before, after = ring[0], ring[1]
-    _link(x, y, count, before, after, reflex)
+    grid = _grid(x, y, count)
+    _link(x, y, count, before, after, reflex, grid)
     i, left, idle, forced, unfolded = 0, count, 0, 0, False
     while left > 3:
         if not (
             _folds(x, y, before[i], i, after[i])
-            or (unfolded and (forced > _MOST_FORCED or _is_ear(x, y, i, before, after, reflex, count)))
+            or (unfolded and (forced > _MOST_FORCED or _is_ear(x, y, i, before, after, reflex, count, grid)))
         ):
             i = after[i]
             idle += 1
@@ -155,7 +171,7 @@ def _clip(x, y, count, ring, reflex, start, triangles):
             forced += 1
         a, c = before[i], after[i]
         _write(triangles[count - left], start, a, i, c)
-        _cut(x, y, i, before, after, reflex, count)
+        _cut(x, y, i, before, after, reflex, count, grid)
         left -= 1
         idle = 0
         if _folds(x, y, before[a], a, c):
@@ -174,28 +190,50 @@ def _write(triangle, start, a, b, c):
 
 
 @device
-def _link(x, y, count, before, after, reflex):
-    reflex[:, count] = count
+def _grid(x, y, count):
+    low_x, high_x, low_y, high_y = np.inf, -np.inf, np.inf, -np.inf
+    for c in range(count):
+        low_x, high_x = min(low_x, x[c]), max(high_x, x[c])
+        low_y, high_y = min(low_y, y[c]), max(high_y, y[c])
+    side = max(int(math.sqrt(count / _CORNERS_A_CELL)), 1)
+    wide, tall = max(high_x - low_x, 1e-30), max(high_y - low_y, 1e-30)
+    return Grid(low_x, low_y, side / wide, side / tall, side)
+
+
+@device
+def _column(grid, x):
+    return min(int((x - grid.x) * grid.cells_x), grid.side - 1)
+
+
+@device
+def _row(grid, y):
+    return min(int((y - grid.y) * grid.cells_y), grid.side - 1)
+
+
+@device
+def _link(x, y, count, before, after, reflex, grid):
+    for head in range(count, count + grid.side * grid.side):
+        reflex[:, head] = head
     for c in range(count):
         before[c] = c - 1 if c > 0 else count - 1
         after[c] = c + 1 if c < count - 1 else 0
         reflex[:, c] = -1
-    # From the last to the first, since each comes to the front of the list.
-    for c in range(count - 1, -1, -1):
-        _sort(x, y, c, before, after, reflex, count)
+    for c in range(count):
+        _sort(x, y, c, before, after, reflex, count, grid)
 
 
 @device
-def _sort(x, y, i, before, after, reflex, count):
-    """Put a corner into the list of reflex corners or take it out, as it turns now."""
+def _sort(x, y, i, before, after, reflex, count, grid):
+    """Put a corner into its cell's list of reflex corners or take it out, as it turns now."""
     listed = reflex[1, i] >= 0
     convex = _turn(x, y, before[i], i, after[i]) > 0
     if convex and listed:
         _unlist(i, reflex)
     elif not convex and not listed:
-        head = reflex[1, count]
-        reflex[0, i], reflex[1, i] = count, head
-        reflex[1, count], reflex[0, head] = i, i
+        head = count + _row(grid, y[i]) * grid.side + _column(grid, x[i])
+        first = reflex[1, head]
+        reflex[0, i], reflex[1, i] = head, first
+        reflex[1, head], reflex[0, first] = i, i
 
 
 @device
@@ -206,18 +244,18 @@ def _unlist(i, reflex):
 
 
 @device
-def _cut(x, y, i, before, after, reflex, count):
+def _cut(x, y, i, before, after, reflex, count, grid):
     """Take a corner out of the ring."""
     a, c = before[i], after[i]
     after[a], before[c] = c, a
     if reflex[1, i] >= 0:
         _unlist(i, reflex)
-    _sort(x, y, a, before, after, reflex, count)
-    _sort(x, y, c, before, after, reflex, count)
+    _sort(x, y, a, before, after, reflex, count, grid)
+    _sort(x, y, c, before, after, reflex, count, grid)
 
 
 @device
-def _is_ear(x, y, b, before, after, reflex, count):
+def _is_ear(x, y, b, before, after, reflex, count, grid):
     """Whether corner b can be cut off: it turns to the left, and its triangle holds no reflex corner.
 
     Corners at the same places as the triangle's own do not count: where a polygon touches itself, they pass by.
@@ -227,19 +265,26 @@ def _is_ear(x, y, b, before, after, reflex, count):
         return False
     low_x, high_x = min(x[a], x[b], x[c]), max(x[a], x[b], x[c])
     low_y, high_y = min(y[a], y[b], y[c]), max(y[a], y[b], y[c])
-    q = reflex[1, count]
-    while q != count:
-        if (
-            low_x <= x[q] <= high_x
-            and low_y <= y[q] <= high_y
-            and _turn(x, y, a, b, q) >= 0
-            and _turn(x, y, b, c, q) >= 0
-            and _turn(x, y, c, a, q) >= 0
-            and not (_same(x, y, q, a) or _same(x, y, q, b) or _same(x, y, q, c))
-        ):
-            return False
-        q = reflex[1, q]
+    for row in range(_row(grid, low_y), _row(grid, high_y) + 1):
+        for column in range(_column(grid, low_x), _column(grid, high_x) + 1):
+            head = count + row * grid.side + column
+            q = reflex[1, head]
+            while q != head:
+                if low_x <= x[q] <= high_x and low_y <= y[q] <= high_y and _holds(x, y, a, b, c, q):
+                    return False
+                q = reflex[1, q]
     return True
+
+
+@device
+def _holds(x, y, a, b, c, q):
+    """Whether q is in the triangle a, b, c or on its outline, but at none of its corners."""
+    return (
+        _turn(x, y, a, b, q) >= 0
+        and _turn(x, y, b, c, q) >= 0
+        and _turn(x, y, c, a, q) >= 0
+        and not (_same(x, y, q, a) or _same(x, y, q, b) or _same(x, y, q, c))
+    )
 
 
 @device
