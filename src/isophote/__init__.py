@@ -42,6 +42,7 @@ _HOME = {
     "Transform": "scene.transform",
     "load_image": "render.image",
     "load_mesh": "io.mesh_file",
+    "load_scene": "io.scene_file",
     "load_texture": "io.texture_file",
     "save": "io.save",
     "studio": "scene.studio",

@@ -13,6 +13,12 @@ import numpy.typing as npt
 
 from isophote.errors import FileError, GeometryError
 from isophote.io.files import StrPath, write_bytes
+from isophote.io.gltf.read import read_gltf_mesh
+from isophote.io.gltf.write import encode_gltf_mesh
+from isophote.io.obj_read import read_obj
+from isophote.io.obj_write import encode_obj
+from isophote.io.off_read import read_off
+from isophote.io.off_write import encode_off
 from isophote.io.ply_read import read_ply
 from isophote.io.ply_write import encode_ply
 from isophote.io.source import read_source
@@ -31,10 +37,18 @@ Up: TypeAlias = Literal["y", "z"]
 _Function = TypeVar("_Function")
 
 READERS: dict[str, Reader] = {
+    ".glb": read_gltf_mesh,
+    ".gltf": read_gltf_mesh,
+    ".obj": read_obj,
+    ".off": read_off,
     ".ply": read_ply,
     ".stl": read_stl,
 }
 WRITERS: dict[str, Encoder] = {
+    ".glb": encode_gltf_mesh,
+    ".gltf": encode_gltf_mesh,
+    ".obj": encode_obj,
+    ".off": encode_off,
     ".ply": encode_ply,
     ".stl": encode_stl,
 }

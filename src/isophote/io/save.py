@@ -7,6 +7,8 @@ from functools import singledispatch
 from isophote.errors import FileError
 from isophote.io.files import StrPath
 from isophote.io.mesh_file import save_mesh
+from isophote.io.scene_file import save_scene
+from isophote.scene.scene import Scene
 from isophote.shapes.mesh import Mesh
 
 __all__ = ["save"]
@@ -16,8 +18,9 @@ __all__ = ["save"]
 def save(thing: object, path: StrPath, **options: object) -> None:
     """Write a thing to a file, in the format that the ending of its name tells; whole, or not at all.
 
-    A `Mesh` goes to .ply, .stl, .obj and .off, and with a further .gz packed by gzip. Options by name:
-    `binary` (PLY and STL, true by default), `endian` (PLY, "little" or "big").
+    A `Mesh` goes to .ply, .stl, .obj, .off, .glb and .gltf, and with a further .gz packed by gzip. Options by name:
+    `binary` (PLY and STL, true by default), `endian` (PLY, "little" or "big"). A `Scene` goes to .glb and .gltf, with
+    its materials, textures, camera, point lights and suns; an `Image` to .png, .exr and other endings of pictures.
 
     Raises `FileError` for endings that are not known for this thing, for what the format cannot hold
     and where the file cannot be written. What a format merely has no place for is left out, with an
@@ -29,6 +32,11 @@ def save(thing: object, path: StrPath, **options: object) -> None:
 @save.register
 def _(thing: Mesh, path: StrPath, **options: object) -> None:
     save_mesh(thing, path, **options)
+
+
+@save.register
+def _(thing: Scene, path: StrPath, **options: object) -> None:
+    save_scene(thing, path, **options)
 
 
 def _known() -> str:

@@ -14,6 +14,7 @@ from isophote.errors import FileError, RenderError
 from isophote.io.files import StrPath
 from isophote.io.picture_file import read_picture, write_picture
 from isophote.io.png import encode_png
+from isophote.io.save import save
 
 __all__ = ["Image", "load_image"]
 
@@ -150,6 +151,13 @@ class Image:
 
 def _same(a: Array, b: Array) -> bool:
     return a.dtype == b.dtype and np.array_equal(a, b, equal_nan=a.dtype.kind == "f")
+
+
+@save.register
+def _(thing: Image, path: StrPath, **options: object) -> None:
+    if options:
+        raise FileError(path, f"pictures are written without options, but {', '.join(options)} is given")
+    thing.save(path)
 
 
 def load_image(path: StrPath) -> Image:
