@@ -101,8 +101,9 @@ class Statements:
         places = begins[lines] - at
         kept[places] = False
         # Keywords of numbers have one letter or two; the white space after them stays.
-        longer = ~is_blank(self.text[np.minimum(begins[lines] + 1, len(self.text) - 1)])
-        kept[places[longer] + 1] = False
+        second = begins[lines] + 1
+        second = second[second < len(self.text)]
+        kept[second[~is_blank(self.text[second])] - at] = False
         return Rows(lines, self.text[at:][kept], np.diff(self.first)[lines] - 1)
 
     def place(self, line: int) -> str:
