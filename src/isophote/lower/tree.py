@@ -25,7 +25,7 @@ from isophote.kernels.accel.layout import (
     WIDTH,
 )
 
-__all__ = ["Tree", "build_boxes", "build_triangles"]
+__all__ = ["BOXES", "TRIANGLES", "Kind", "Tree", "build_boxes", "build_triangles"]
 
 FloatArray: TypeAlias = npt.NDArray[np.float32]
 IntArray: TypeAlias = npt.NDArray[np.int32]
@@ -44,8 +44,10 @@ class Tree(NamedTuple):
     bounds: FloatArray
 
 
-class _Kind(NamedTuple):
-    """What differs between trees: items a block, items a binary leaf, items a leaf at most, and costs."""
+class Kind(NamedTuple):
+    """What differs between trees: items a block (a power of two), items of a leaf of the binary tree, items of a leaf
+    at most, and what entering a leaf and testing one of its blocks cost, where testing a node costs 1.
+    """
 
     lanes: int
     smallest: int
@@ -53,56 +55,63 @@ class _Kind(NamedTuple):
     leaf_cost: np.float32
     block_cost: np.float32
 
+    @property
+    def collapse(self) -> tuple[int, int, np.float32, np.float32]:
+        """What decides between nodes and leaves."""
+        return self.lanes, self.most, self.leaf_cost, self.block_cost
+
+
+# Costs by measurement of rays; docs/design/tree.md has the numbers. A box stands for a whole tree of its own.
+TRIANGLES = Kind(LANES, LANES, 16, np.float32(0.6), np.float32(0.2))
+BOXES = Kind(1, 1, MAX_BLOCKS, np.float32(0), np.float32(8))
 
 # Nodes with more items are split by all threads together; those with fewer are one thread's work. Longer runs of
 # anything else are cut into pieces of this length. Fixed: it must not depend on the number of threads.
 _GRAIN = 1 << 16
-
-_TRIANGLES = _Kind(LANES, 4, 16, np.float32(0.6), np.float32(0.2))
-_BOXES = _Kind(1, 1, MAX_BLOCKS, np.float32(0), np.float32(8))
+# A leaf's code has 28 bits for its first block.
+_MOST_ITEMS = 1 << 28
 
 
 def build_triangles(positions: npt.ArrayLike, triangles: npt.ArrayLike, threads: int | None = None) -> Tree:
     """The tree of `triangles`, (m, 3) int32 rows of `positions`, (n, 3) float32.
 
-    The same bits come out for any number of `threads` (all cores if None). Raises `GeometryError` where a position
-    is not finite or a triangle names a position that is not there.
+    The same bits come out for any number of `threads` (all cores if None). While it builds, it holds about 115 bytes
+    a triangle. Raises `GeometryError` where a position is not finite, a triangle names a position that is not there,
+    or there are more than 2^28 triangles.
     """
-    points = np.require(positions, np.float32, ["C", "W"]).reshape(-1)
-    corners = np.require(triangles, np.int32, ["C", "W"]).reshape(-1)
+    points = _points(positions, "positions").reshape(-1)
+    corners = _corners(triangles, len(points) // 3).reshape(-1)
     count = len(corners) // 3
     if count == 0:
         return _nothing(np.empty(0, np.float32))
-    if not np.isfinite(points).all():
-        raise GeometryError("positions must be finite in single precision, within 3.4e38")
-    if corners.min() < 0 or corners.max() >= len(points) // 3:
-        raise GeometryError(f"triangles name positions outside 0 to {len(points) // 3 - 1}")
     with _crew(threads, count) as run:
         records = np.empty(2 * count * build.RECORD, np.float32)
         pieces = list(_pieces(0, count))
         found = np.empty((len(pieces), 16), np.float32)
         run(build.triangle_records, [(points, corners, records, *p, found[i]) for i, p in enumerate(pieces)])
         whole = found.min(axis=0)
-        skeleton = _grow(run, records, count, whole, _TRIANGLES)
+        skeleton = _grow(run, records, count, whole, TRIANGLES)
         del records
-        nodes, slots = _lay_out(run, skeleton, _TRIANGLES)
+        nodes, slots = _lay_out(run, skeleton, TRIANGLES)
         blocks = np.empty(len(slots) // LANES * BLOCK, np.float32)
         run(build_wide.fill_blocks, [(points, corners, slots, blocks, *p) for p in _pieces(0, len(slots))])
     return Tree(nodes, blocks, _bounds(whole))
 
 
-def build_boxes(lower: npt.ArrayLike, upper: npt.ArrayLike) -> Tree:
+def build_boxes(lower: npt.ArrayLike, upper: npt.ArrayLike, threads: int | None = None) -> Tree:
     """The tree of the boxes from `lower` to `upper`, both (k, 3) float32.
 
-    Raises `GeometryError` where a box is not finite or its lower corner lies above its upper one.
+    Raises `GeometryError` where a box is not finite or its lower corner lies above its upper one, or there are more
+    than 2^28.
     """
-    least = np.asarray(lower, np.float32).reshape(-1, 3)
-    greatest = np.asarray(upper, np.float32).reshape(-1, 3)
+    least, greatest = _points(lower, "lower corners"), _points(upper, "upper corners")
     count = len(least)
+    if len(greatest) != count or (least > greatest).any():
+        raise GeometryError("every box must have a lower corner and an upper one, not below it")
+    if count > _MOST_ITEMS:
+        raise GeometryError(f"a tree holds 2^28 boxes at most, not {count:,}")
     if count == 0:
         return _nothing(np.empty(0, np.int32))
-    if not (np.isfinite(least).all() and np.isfinite(greatest).all() and (least <= greatest).all()):
-        raise GeometryError("boxes must be finite, and their lower corners not above their upper ones")
     records = np.zeros((2 * count, build.RECORD), np.float32)
     records[:count, 0:3] = least
     records[:count, 4:7] = -greatest
@@ -112,10 +121,31 @@ def build_boxes(lower: npt.ArrayLike, upper: npt.ArrayLike) -> Tree:
     whole = np.zeros(16, np.float32)
     for start, rows in ((0, least), (4, -greatest), (8, doubled), (12, -doubled)):
         whole[start : start + 3] = rows.min(axis=0)
-    with _crew(1, count) as run:
-        skeleton = _grow(run, records.reshape(-1), count, whole, _BOXES)
-        nodes, items = _lay_out(run, skeleton, _BOXES)
+    with _crew(threads, count) as run:
+        skeleton = _grow(run, records.reshape(-1), count, whole, BOXES)
+        nodes, items = _lay_out(run, skeleton, BOXES)
     return Tree(nodes, items, _bounds(whole))
+
+
+def _points(values: npt.ArrayLike, what: str) -> FloatArray:
+    with np.errstate(over="ignore"):
+        points = np.require(values, np.float32, ["C", "W"])
+    if points.ndim != 2 or points.shape[1] != 3:
+        raise GeometryError(f"{what} must have shape (n, 3), but have {points.shape}")
+    if not np.isfinite(points).all():
+        raise GeometryError(f"{what} must be finite, and below 3.4e38")
+    return points
+
+
+def _corners(triangles: npt.ArrayLike, position_count: int) -> IntArray:
+    corners = np.asarray(triangles)
+    if corners.ndim != 2 or corners.shape[1] != 3 or not np.issubdtype(corners.dtype, np.integer):
+        raise GeometryError(f"triangles must be (m, 3) whole numbers, but are {corners.shape} of {corners.dtype}")
+    if len(corners) > _MOST_ITEMS:
+        raise GeometryError(f"a tree holds 2^28 triangles at most, not {len(corners):,}")
+    if len(corners) and (corners.min() < 0 or corners.max() >= position_count):
+        raise GeometryError(f"triangles name positions outside 0 to {position_count - 1}")
+    return np.require(corners, np.int32, ["C", "W"])
 
 
 def _nothing(blocks: FloatArray | IntArray) -> Tree:
@@ -167,7 +197,7 @@ class _Skeleton(NamedTuple):
     order: IntArray
 
 
-def _grow(run: _Run, records: FloatArray, count: int, whole: FloatArray, kind: _Kind) -> _Skeleton:
+def _grow(run: _Run, records: FloatArray, count: int, whole: FloatArray, kind: Kind) -> _Skeleton:
     """The binary tree over `count` records: large nodes split by all threads, the rest a subtree a thread."""
     branches, links = _split_large(run, records, count, whole, kind)
     size = len(branches) + 2 * count
@@ -185,17 +215,17 @@ def _grow(run: _Run, records: FloatArray, count: int, whole: FloatArray, kind: _
         end = build.build_subtree(
             records, nodes, children, order, count, node, free, depth, kind.lanes, kind.smallest, bounds[8:]
         )
-        build_wide.collapse_costs(nodes, children, costs, free, end, *kind[:1], *kind[2:])
+        build_wide.collapse_costs(nodes, children, costs, free, end, *kind.collapse)
 
     small = [node for node, link in enumerate(links) if link == 0]
     small.sort(key=lambda node: -branches[node].items)
     run(subtree, [(node,) for node in small])
-    build_wide.collapse_costs(nodes, children, costs, 0, len(branches), *kind[:1], *kind[2:])
+    build_wide.collapse_costs(nodes, children, costs, 0, len(branches), *kind.collapse)
     return _Skeleton(nodes, children, costs, order)
 
 
 def _split_large(
-    run: _Run, records: FloatArray, count: int, whole: FloatArray, kind: _Kind
+    run: _Run, records: FloatArray, count: int, whole: FloatArray, kind: Kind
 ) -> tuple[list[_Branch], list[int]]:
     """Split nodes until none is larger than the grain, level by level: (nodes, first child of each or 0)."""
     branches, links = [_Branch(0, count, 0, whole)], [0]
@@ -227,7 +257,7 @@ def _split_level(
     count: int,
     level: list[_Branch],
     pieces: list[list[tuple[int, int]]],
-    kind: _Kind,
+    kind: Kind,
 ) -> list[tuple[_Branch, _Branch]]:
     """The two children of each node of a level."""
     tables = [np.empty((len(parts), build.TABLE), np.float32) for parts in pieces]
@@ -272,15 +302,14 @@ def _split_level(
     return children
 
 
-def _lay_out(run: _Run, skeleton: _Skeleton, kind: _Kind) -> tuple[FloatArray, IntArray]:
+def _lay_out(run: _Run, skeleton: _Skeleton, kind: Kind) -> tuple[FloatArray, IntArray]:
     """Nodes and slots: the wide nodes near the root, then every subtree below them by itself."""
-    choice = kind[:1] + kind[2:]
     nodes, slots = np.empty(0, np.float32), np.empty(0, np.int32)
     tasks = np.empty((8 * (MAX_DEPTH + 2) * (1 + len(skeleton.order) // _GRAIN), 2), np.int64)
 
     def write(root: int, parent: int, number: int, block: int) -> tuple[int, int, int]:
         written: tuple[int, int, int] = build_wide.lay_out(
-            *skeleton, nodes, slots, tasks.reshape(-1), root, parent, number, block, _GRAIN, *choice
+            *skeleton, nodes, slots, tasks.reshape(-1), root, parent, number, block, _GRAIN, *kind.collapse
         )
         return written
 

@@ -266,8 +266,8 @@ def split_range(records, begin, end, target_left, target_right, axis, plane, mid
 def build_subtree(records, nodes, children, order, item_count, root, free, depth, lanes, largest, centres):
     """Build the binary tree below node `root`, whose box and range are there, into nodes from `free` on.
 
-    `records` holds two halves of `item_count` records. A block holds `lanes` items, a power of two. Leaves have `largest` items at most, and `order` takes the
-    numbers of all items. Returns the number after the last node.
+    `records` holds two halves of `item_count` records; a block holds `lanes` items, a power of two. Leaves have
+    `largest` items at most, and `order` takes the numbers of all items. Returns the number after the last node.
     """
     stack = np.empty(_ENTRY * (_DEEPEST + 4), np.float32)
     table = np.empty(TABLE, np.float32)
