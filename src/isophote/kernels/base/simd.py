@@ -346,8 +346,10 @@ def exact_product_difference(typingctx, a, b, c, d):
         return None
 
     def codegen(context, builder, signature, args):
-        left = builder.fmul(args[0], args[1])
-        right = builder.fmul(args[2], args[3])
-        return builder.fsub(left, right)
+        # Numba gives its own flags, contraction among them, to operations that have none.
+        flags = ("nsz",)
+        left = builder.fmul(args[0], args[1], flags=flags)
+        right = builder.fmul(args[2], args[3], flags=flags)
+        return builder.fsub(left, right, flags=flags)
 
     return a(a, b, c, d), codegen
