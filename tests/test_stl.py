@@ -79,6 +79,11 @@ def test_several_solids_of_a_text_are_groups() -> None:
         encode_stl(mesh, "x.stl")
 
 
+def test_names_of_solids_may_hold_any_words() -> None:
+    text = f"solid of solid facets\n{FACET}endsolid vertex 1\n\t solid solid\n{FACET}\tendsolid"
+    assert read_stl("x.stl", text.encode()).labels["group"].names == ("of solid facets", "solid")
+
+
 @pytest.mark.parametrize("blank", ["\r\n", "\r", "\t", " \v\f "])
 def test_any_white_space_parts_the_words(blank: str) -> None:
     text = "solid\n" + FACET.replace("\n", blank).replace(" ", blank)

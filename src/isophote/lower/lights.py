@@ -42,10 +42,11 @@ class LightTable:
         self._kinds: list[int] = []
         self._rows: list[list[float]] = []
         self._power: list[float] = []
+        self._numbers: list[int] = []
         self._constant = np.zeros(3)
         self._picture: Environment | None = None
 
-    def _add(self, kind: int, power: float, **fields: Any) -> int:
+    def _add(self, kind: int, power: float, number: int = -1, **fields: Any) -> int:
         columns = {"place": 0, "edge1": 3, "edge2": 6, "normal": 9, "radiance": 12}
         row = np.zeros(_COLUMNS)
         for name, column in columns.items():
@@ -54,6 +55,7 @@ class LightTable:
         self._kinds.append(kind)
         self._rows.append(row.tolist())
         self._power.append(power)
+        self._numbers.append(number)
         return len(self._kinds) - 1
 
     def add_mesh(self, mesh: Mesh, matrix: Points, radiance: Colour, two_sided: bool) -> npt.NDArray[np.int32]:
@@ -98,8 +100,9 @@ class LightTable:
             two_sided=two_sided,
         )
 
-    def add(self, light: Light, reach: float) -> None:
-        """A light other than a rectangle; `reach` is the radius of the scene, for the power of those far away."""
+    def add(self, light: Light, reach: float, number: int) -> None:
+        """A light other than a rectangle, with its number for the user; `reach` is the radius of the scene, by which
+        those far away have their power."""
         if isinstance(light, PointLight):
             power = light.power * float(_LUMINANCE @ light.colour)
             self._add(emitter.POINT, power, place=light.position, radiance=light.intensity_rgb)
@@ -108,7 +111,7 @@ class LightTable:
             power = math.pi * reach**2 * float(_LUMINANCE @ irradiance)
             self._add(emitter.SUN, power, normal=light.unit_direction, radiance=irradiance)
         elif isinstance(light, DiskLight | SphereLight):
-            self._add_lamp(light)
+            self._add_lamp(light, number)
         elif isinstance(light, Sky):
             self._constant += light.radiance_rgb
         elif isinstance(light, Environment):
@@ -118,16 +121,17 @@ class LightTable:
         else:
             raise SceneError(f"lights: a {type(light).__name__} cannot be rendered")
 
-    def _add_lamp(self, light: DiskLight | SphereLight) -> None:
+    def _add_lamp(self, light: DiskLight | SphereLight, number: int) -> None:
         radiance = light.radiance_rgb
         power = math.pi * light.emitting_area * float(_LUMINANCE @ radiance)
         matrix = light.transform.matrix
         if isinstance(light, SphereLight):
-            self._add(emitter.SPHERE, power, place=light.position, radius=light.radius, radiance=radiance)
+            self._add(emitter.SPHERE, power, number, place=light.position, radius=light.radius, radiance=radiance)
             return
         self._add(
             emitter.DISK,
             power,
+            number,
             place=light.position,
             edge1=light.radius * matrix[:3, 0],
             edge2=light.radius * matrix[:3, 2],
@@ -149,6 +153,7 @@ class LightTable:
             values=np.array(self._rows, np.float32).reshape(-1, _COLUMNS),
             cdf=_cumulative(np.array(self._power)),
             lamps=lamps.astype(np.int32),
+            numbers=np.array(self._numbers, np.int32),
             environment=environment,
         )
 

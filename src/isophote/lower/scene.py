@@ -32,9 +32,9 @@ def lower_scene(scene: Scene, size: tuple[int, int], threads: int | None = None)
         raise SceneError("the scene has nothing to draw: no items and no rectangle lights")
     geometry, surfaces, bounds = lower_geometry(parts, threads)
     reach = float(np.linalg.norm(bounds[1] - bounds[0])) / 2
-    for light in scene.lights:
+    for number, light in enumerate(scene.lights, start=len(scene.items)):
         if not isinstance(light, RectLight):
-            lights.add(light, reach)
+            lights.add(light, reach, number)
     material_table, textures = materials.build()
     return SCENE.pack(
         geometry=geometry,
@@ -54,10 +54,10 @@ def _parts(scene: Scene, materials: MaterialTable, lights: LightTable) -> list[P
         shines = max(radiance) > 0
         own = lights.add_mesh(mesh, matrix, radiance, two_sided) if shines else None
         parts.append(Part(mesh, matrix, materials.number(item.material), number, own))
-    for number, light in enumerate(scene.lights):
+    for number, light in enumerate(scene.lights, start=len(scene.items)):
         if isinstance(light, RectLight):
             mesh, matrix, radiance = rectangle_mesh(light), light.transform.matrix, light.radiance_rgb
             own = lights.add_mesh(mesh, matrix, radiance, light.two_sided)
             material = materials.number(Emitter(radiance, two_sided=light.two_sided))
-            parts.append(Part(mesh, matrix, material, len(scene.items) + number, own))
+            parts.append(Part(mesh, matrix, material, number, own))
     return parts

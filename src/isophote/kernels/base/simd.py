@@ -110,7 +110,7 @@ def _is_words(array) -> bool:
     """Whether a type is that of a contiguous array, or of a view, of 32-bit elements."""
     if isinstance(array, types.Array):
         return array.layout == "C" and array.dtype.bitwidth == 32
-    return isinstance(array, ViewType) and array.dtype.bitwidth == 32
+    return isinstance(array, ViewType) and array.dtype in (types.float32, types.int32, types.uint32)
 
 
 def _loader(result: types.Type, element: ir.Type):

@@ -138,7 +138,9 @@ def _load_size(context, builder, view, value, name):
 def _is_place(view, index) -> bool:
     if view.ndim == 1:
         return isinstance(index, types.Integer)
-    return isinstance(index, types.BaseTuple) and len(index) == 2 and all(isinstance(i, types.Integer) for i in index)
+    if not isinstance(index, types.UniTuple | types.Tuple) or len(index) != 2:
+        return False
+    return all(isinstance(part, types.Integer) for part in index.types)
 
 
 @infer_global(operator.getitem)
@@ -219,7 +221,8 @@ class Table:
     def __init__(self, name: str, /, **fields: types.Type | Table) -> None:
         self.name = name
         self.fields = fields
-        self.size = 0
+        self.size: int = 0
+        self.type: TableType
         placed: dict[str, tuple[int, types.Type]] = {}
         for field, kind in fields.items():
             placed[field] = self.size, kind.type if isinstance(kind, Table) else kind

@@ -53,8 +53,10 @@ _SMALL_SINE2 = np.float32(1e-4)
 
 
 # `kinds` (n,); `values` (n, 18), columns above; `cdf` (n + 1,): cumulative chances of being picked; `lamps`: the disks
-# and spheres, which rays meet without a tree.
-LIGHTS = Table("Lights", kinds=INTS, values=FLOAT_ROWS, cdf=FLOATS, lamps=INTS, environment=sky.ENVIRONMENT)
+# and spheres, which rays meet without a tree; `numbers` (n,): the user's number of each light.
+LIGHTS = Table(
+    "Lights", kinds=INTS, values=FLOAT_ROWS, cdf=FLOATS, lamps=INTS, numbers=INTS, environment=sky.ENVIRONMENT
+)
 
 
 class LightSample(NamedTuple):

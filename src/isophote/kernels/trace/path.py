@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from isophote.kernels.accel.geometry import Hit, closest_hit, occluded
-from isophote.kernels.accel.surface import offset_point, surface_at, triangle_light
+from isophote.kernels.accel.surface import MATERIAL, offset_point, surface_at, triangle_light
 from isophote.kernels.base.jit import device, kernel
 from isophote.kernels.base.sampler import draw_pairs
 from isophote.kernels.base.vec import dot, length, maximum_component, reflect, vec3
@@ -32,9 +32,9 @@ from isophote.kernels.light.emitter import (
 )
 from isophote.kernels.light.environment import environment_density, environment_radiance
 from isophote.kernels.light.film import add_sample, filter_offset
-from isophote.kernels.light.texture import look_up
 from isophote.kernels.trace import wave as rows
 from isophote.kernels.trace.camera import camera_ray
+from isophote.kernels.trace.shading import surface_colour, surface_emission
 from isophote.kernels.trace.tables import FILM, PLAN, SCENE
 from isophote.kernels.trace.wave import add_radiance, row_vec3, set_row_vec3
 
@@ -50,8 +50,9 @@ _LAMP = np.int64(-2)
 open_scene, open_plan, open_film, open_wave = SCENE.open, PLAN.open, FILM.open, rows.WAVE.open
 
 # Sampling dimensions (pairs of numbers): film, lens, then three for each ray of the path.
-_FILM, _LENS, _FIRST = 0, 1, 2
-_PICK, _LIGHT, _SCATTER, _PER_RAY = 0, 1, 2, 3
+# NumPy integers: Numba would compile what takes a plain constant anew for each of its values.
+_FILM, _LENS, _FIRST = np.int64(0), np.int64(1), np.int64(2)
+_PICK, _LIGHT, _SCATTER, _PER_RAY = np.int64(0), np.int64(1), np.int64(2), np.int64(3)
 
 
 class Tile(NamedTuple):
@@ -167,28 +168,17 @@ def _sky(tables, direction, scattered):
 
 
 @device
-def _emitted(tables, surface, material, origin, place, direction, scattered):
+def _emitted(tables, surface, origin, direction, scattered):
     """Radiance that a surface emits along the ray that met it, weighted."""
-    values = tables.materials.values
-    emitted = vec3(values[material, 3], values[material, 4], values[material, 5])
+    emitted, two_sided = surface_emission(tables, surface)
     if maximum_component(emitted) <= _ZERO:
         return emitted
-    if values[material, 7] == _ZERO and dot(direction, surface.normal) >= _ZERO:
+    if not two_sided and dot(direction, surface.normal) >= _ZERO:
         return vec3(_ZERO, _ZERO, _ZERO)
     k = triangle_light(tables.surfaces, surface.item, surface.triangle)
     if k < 0:
         return emitted
-    return emitted * _weight_of_meeting(tables.lights, k, scattered, origin, place - origin)
-
-
-@device
-def _colour(tables, material, surface):
-    values = tables.materials.values
-    colour = vec3(values[material, 0], values[material, 1], values[material, 2])
-    texture = np.int64(tables.materials.textures[material])
-    if texture >= 0:
-        return colour * look_up(tables.textures, texture, surface.u, surface.v)
-    return colour
+    return emitted * _weight_of_meeting(tables.lights, k, scattered, origin, surface.place - origin)
 
 
 @device
@@ -256,7 +246,7 @@ def _go_on(plan, wave, depth, i, to, surface, into, carried, density):
 def _shade(tables, plan, wave, count, depth):
     """Emission, aiming and scattering of every path. Returns (paths that go on, shadow rays)."""
     floats, ints, longs = wave.floats, wave.ints, wave.longs
-    alive, shadows = 0, 0
+    alive, shadows = np.int64(0), np.int64(0)
     for i in range(count):
         slot = longs[rows.HIT_SLOT, i]
         owner = np.int64(ints[rows.OWNER, i])
@@ -276,14 +266,14 @@ def _shade(tables, plan, wave, count, depth):
             floats[rows.HIT_T, i], floats[rows.HIT_W1, i], floats[rows.HIT_W2, i], slot, longs[rows.HIT_INSTANCE, i]
         )
         surface = surface_at(tables.geometry, tables.surfaces, hit)
-        material = np.int64(tables.surfaces.items[surface.item, 1])
+        material = np.int64(tables.surfaces.items[surface.item, MATERIAL])
         kind = tables.materials.kinds[material]
-        emitted = _emitted(tables, surface, material, origin, surface.place, direction, scattered)
+        emitted = _emitted(tables, surface, origin, direction, scattered)
         if maximum_component(emitted) > _ZERO:
             add_radiance(wave, owner, carried * emitted)
         if depth == plan.max_depth or kind == BLACK:
             continue
-        colour = _colour(tables, material, surface)
+        colour = surface_colour(tables, surface)
         if kind == MATTE:
             shading = surface.shading if dot(direction, surface.shading) < _ZERO else -surface.shading
             shadows += _aim(tables, wave, i, shadows, surface, shading, -direction, colour, carried)

@@ -1,0 +1,107 @@
+"""The pool that runs tile kernels: threads, deadline, cancelling."""
+
+from __future__ import annotations
+
+import os
+import threading
+import time
+from collections.abc import Callable, Sequence
+from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
+from typing import NamedTuple, TypeVar
+
+from isophote.errors import RenderError
+
+__all__ = ["Pool", "Tile", "tiles_of"]
+
+_Job = TypeVar("_Job")
+
+# Seconds between looks at how far the threads are.
+_GLANCE = 0.1
+
+
+class Tile(NamedTuple):
+    """Pixels x0 ≤ x < x1, y0 ≤ y < y1."""
+
+    x0: int
+    x1: int
+    y0: int
+    y1: int
+
+
+def tiles_of(size: tuple[int, int], edge: int) -> list[Tile]:
+    """The tiles of a picture of `size` (width, height), row by row."""
+    width, height = size
+    return [
+        Tile(x, min(x + edge, width), y, min(y + edge, height))
+        for y in range(0, height, edge)
+        for x in range(0, width, edge)
+    ]
+
+
+class Pool:
+    """Threads that run jobs until all are done, time is up, or the user interrupts.
+
+    Kernels let go of the interpreter, so threads run side by side; a job that has begun is always finished, so that
+    what it wrote is whole.
+    """
+
+    def __init__(self, threads: int | None = None, deadline: float | None = None) -> None:
+        if threads is not None and threads < 1:
+            raise RenderError(f"threads must be 1 or more, not {threads}")
+        self.threads = threads or _processors()
+        self.deadline = deadline
+        self._stopped = threading.Event()
+
+    @property
+    def interrupted(self) -> bool:
+        """Whether the user interrupted."""
+        return self._stopped.is_set()
+
+    @property
+    def stopped(self) -> bool:
+        """Whether the user interrupted or time is up."""
+        return self._stopped.is_set() or (self.deadline is not None and time.monotonic() >= self.deadline)
+
+    def stop(self) -> None:
+        """Start no further jobs."""
+        self._stopped.set()
+
+    def run(self, work: Callable[[_Job, int], None], jobs: Sequence[_Job], done: Callable[[int], None]) -> None:
+        """Call `work(job, thread)` for each job in order; `done(count)` now and then, in the calling thread.
+
+        An interrupt (Ctrl-C) stops after the jobs under way; what a job raises is raised here.
+        """
+        following = iter(jobs)
+        lock = threading.Lock()
+        finished = 0
+
+        def worker(thread: int) -> None:
+            nonlocal finished
+            while not self.stopped:
+                with lock:
+                    job = next(following, None)
+                if job is None:
+                    return
+                work(job, thread)
+                with lock:
+                    finished += 1
+
+        with ThreadPoolExecutor(self.threads) as executor:
+            running = {executor.submit(worker, thread) for thread in range(self.threads)}
+            while running:
+                try:
+                    ended, running = wait(running, timeout=_GLANCE, return_when=FIRST_COMPLETED)
+                    done(finished)
+                    for future in ended:
+                        future.result()
+                except KeyboardInterrupt:
+                    self.stop()
+                except BaseException:
+                    self.stop()
+                    raise
+        done(finished)
+
+
+def _processors() -> int:
+    """Processors that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

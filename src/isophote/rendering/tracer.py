@@ -1,0 +1,157 @@
+"""Rays over arrays: the queries behind every picture, for everyone."""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from isophote.errors import RenderError
+from isophote.kernels.accel.geometry import SCRATCH_WORDS
+from isophote.kernels.base.table import Packed
+from isophote.kernels.trace.rays import QUERY, closest_rays, occluded_rays
+from isophote.lower.scene import lower_scene
+from isophote.rendering.pool import Pool
+from isophote.scene.camera import Camera
+from isophote.scene.scene import Item, Scene, Shape
+
+__all__ = ["Hits", "Tracer"]
+
+Floats: TypeAlias = npt.NDArray[np.float32]
+Ints: TypeAlias = npt.NDArray[np.int32]
+
+_RAYS_A_JOB = 16_384
+
+
+@attrs.frozen(eq=False)
+class Hits:
+    """What n rays meet first.
+
+    `distance` (n,) float32 in lengths of the direction, inf where nothing is met; `item` and `primitive` (n,) int32:
+    numbers of the item in the scene and of the face in its mesh, -1 for none; `uv` (n, 2): weights of the second and
+    third corner of the triangle that was hit; `normal` (n, 3): unit geometric normal, outward; `point` (n, 3) float64.
+    """
+
+    distance: Floats
+    item: Ints
+    primitive: Ints
+    uv: Floats
+    normal: Floats
+    point: npt.NDArray[np.float64]
+
+    @property
+    def hit(self) -> npt.NDArray[np.bool_]:
+        """(n,): whether anything is met."""
+        return self.item >= 0
+
+
+class Tracer:
+    """A scene made ready for rays; `subject` is a shape, an item or a scene. The tree is built once.
+
+    Rays run in single precision. Lights that are no items are not met.
+    """
+
+    def __init__(self, subject: Shape | Item | Scene, *, accelerator: str = "bvh", threads: int | None = None) -> None:
+        if accelerator != "bvh":
+            raise RenderError(f'accelerator must be "bvh", not {accelerator!r}')
+        scene = (
+            subject if isinstance(subject, Scene) else Scene([subject if isinstance(subject, Item) else Item(subject)])
+        )
+        self._pool = Pool(threads)
+        # The tables need some camera; rays do not.
+        self._scene = lower_scene(Scene(scene.items, camera=Camera((0, 0, 1), (0, 0, 0))), (1, 1), threads)
+
+    def closest(self, origins: npt.ArrayLike, directions: npt.ArrayLike, max_distance: npt.ArrayLike = np.inf) -> Hits:
+        """The first hit of each ray at 0 < distance < `max_distance`.
+
+        `origins` and `directions` (n, 3), or one row for all; directions may have any length but 0. Raises
+        `RenderError` for other shapes, NaN, infinite or zero directions.
+        """
+        rays = _rays(origins, directions, max_distance)
+        count = len(rays[0])
+        distance = np.full(count, np.inf, np.float32)
+        item, primitive = np.full(count, -1, np.int32), np.full(count, -1, np.int32)
+        uv, normal = np.zeros((count, 2), np.float32), np.zeros((count, 3), np.float32)
+        self._run(
+            closest_rays,
+            rays,
+            distance=distance,
+            item=item,
+            primitive=primitive,
+            uv=uv,
+            normal=normal,
+            blocked=np.zeros(0, np.uint8),
+        )
+        with np.errstate(invalid="ignore"):
+            point = rays[0].astype(np.float64) + rays[1].astype(np.float64) * distance[:, None].astype(np.float64)
+        return Hits(distance, item, primitive, uv, normal, point)
+
+    def occluded(
+        self, origins: npt.ArrayLike, directions: npt.ArrayLike, max_distance: npt.ArrayLike = np.inf
+    ) -> npt.NDArray[np.bool_]:
+        """(n,): whether each ray meets anything at 0 < distance < `max_distance`; arguments as for `closest`."""
+        rays = _rays(origins, directions, max_distance)
+        blocked = np.zeros(len(rays[0]), np.uint8)
+        none = np.zeros(0, np.int32)
+        self._run(
+            occluded_rays,
+            rays,
+            distance=np.zeros(0, np.float32),
+            item=none,
+            primitive=none,
+            uv=np.zeros((0, 2), np.float32),
+            normal=np.zeros((0, 3), np.float32),
+            blocked=blocked,
+        )
+        return blocked.astype(bool)
+
+    def _run(self, kernel: object, rays: tuple[Floats, Floats, Floats], **found: npt.NDArray[np.generic]) -> None:
+        origins, directions, limit = rays
+        count = len(origins)
+        queries: list[Packed] = [
+            QUERY.pack(
+                origins=origins,
+                directions=directions,
+                limit=limit,
+                scratch=np.zeros(SCRATCH_WORDS, np.float32),
+                **found,
+            )
+            for _ in range(self._pool.threads)
+        ]
+
+        def work(first: int, thread: int) -> None:
+            kernel(self._scene.words, queries[thread].words, first, min(first + _RAYS_A_JOB, count))  # type: ignore[operator]
+
+        self._pool.run(work, range(0, count, _RAYS_A_JOB), lambda done: None)
+
+
+def _rays(
+    origins: npt.ArrayLike, directions: npt.ArrayLike, max_distance: npt.ArrayLike
+) -> tuple[Floats, Floats, Floats]:
+    """Origins, directions (n, 3) and limits (n,), contiguous float32."""
+    o, d = (_triples(name, values) for name, values in (("origins", origins), ("directions", directions)))
+    try:
+        o, d = np.broadcast_arrays(o, d)
+        limit = np.broadcast_to(np.asarray(max_distance, np.float32), len(o))
+    except ValueError:
+        raise RenderError(
+            f"origins {o.shape}, directions {d.shape} and max_distance {np.shape(max_distance)} are not of one length"
+        ) from None
+    if np.isnan(limit).any():
+        raise RenderError("max_distance holds NaN")
+    still = ~d.any(axis=1)
+    if still.any():
+        raise RenderError(f"directions must not be zero, but number {int(np.argmax(still))} is")
+    return np.ascontiguousarray(o), np.ascontiguousarray(d), np.ascontiguousarray(limit)
+
+
+def _triples(name: str, values: npt.ArrayLike) -> Floats:
+    array = np.atleast_2d(np.asarray(values, np.float32))
+    if array.ndim != 2 or array.shape[1] != 3:
+        raise RenderError(f"{name} must have shape (n, 3), but have {np.shape(values)}")
+    finite = np.isfinite(array).all(axis=1)
+    if not finite.all():
+        raise RenderError(f"{name} must be finite in single precision, but number {int(np.argmin(finite))} is not")
+    return array
