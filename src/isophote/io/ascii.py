@@ -81,12 +81,13 @@ def numbers(text: bytes, starts: Positions, kind: Literal["float", "int"]) -> np
 def _parse(text: bytes, count: int, dtype: type[Any]) -> npt.NDArray[Any] | None:
     if count == 0:
         return np.zeros(0, dtype)
-    # On a word that is no number older versions of NumPy stop with a warning, newer ones raise.
+    # At a word that is no number NumPy before 2.4 stops with a mere warning, and where that is the end of
+    # the last word nothing would be missing; the 0 after it then is.
     try:
-        values = np.fromstring(text, dtype, sep=" ")
+        values = np.fromstring(text + b" 0", dtype, sep=" ")
     except (ValueError, DeprecationWarning):
         return None
-    return values if len(values) == count else None
+    return values[:-1] if len(values) == count + 1 else None
 
 
 def _first_bad(text: bytes, starts: Positions, dtype: type[Any]) -> int:

@@ -6,7 +6,7 @@ in many files.
 
 from __future__ import annotations
 
-import re
+from collections.abc import Iterator
 
 import numpy as np
 import numpy.typing as npt
@@ -21,7 +21,6 @@ __all__ = ["read_stl"]
 
 _HEAD = 84  # 80 bytes of text and the number of triangles
 _FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-_SOLID = re.compile(rb"(?:\A|(?<=[\n\r]))[ \t\v\f]*(solid|endsolid)(?=[\s]|\Z)([^\n\r]*)", re.IGNORECASE)
 # The words of one facet; None stands for a number.
 _WORDS: tuple[bytes | None, ...] = (
     *(b"facet", b"normal", None, None, None),
@@ -73,11 +72,11 @@ def _read_text(path: StrPath, data: bytes) -> Mesh:
     text = np.frombuffer(data, np.uint8).copy()
     names: list[str] = []
     begins: list[int] = []
-    for match in _SOLID.finditer(data):
-        text[match.start() : match.end()] = 32
-        if match[1].lower() == b"solid":
-            names.append(match[2].strip().decode("utf-8", "replace"))
-            begins.append(match.start())
+    for start, end in _solid_lines(data):
+        text[start:end] = 32
+        if data[start : start + 1] in b"sS":
+            names.append(data[start + 5 : end].strip().decode("utf-8", "replace"))
+            begins.append(start)
     starts = word_starts(text)
     count = len(starts) // len(_WORDS)
     _check_words(path, data, text, starts)
@@ -91,6 +90,20 @@ def _read_text(path: StrPath, data: bytes) -> Mesh:
         index = np.searchsorted(np.array(begins), places[:, 0]) - 1
         labels["group"] = FaceLabels(tuple(names), index)
     return Mesh(points, np.arange(3 * count).reshape(-1, 3), labels=labels)
+
+
+def _solid_lines(data: bytes) -> Iterator[tuple[int, int]]:
+    """Where the lines that begin with "solid" or "endsolid" begin and end."""
+    lower = data.lower().replace(b"\r", b"\n")
+    at = lower.find(b"solid")
+    while at >= 0:
+        start = at - 3 if lower[max(at - 3, 0) : at] == b"end" else at
+        end = lower.find(b"\n", at)
+        end = end if end >= 0 else len(data)
+        before = lower[max(start - 200, 0) : start].rstrip(b" \t\v\f")
+        if (not before or before[-1:] == b"\n") and not data[at + 5 : at + 6].strip():
+            yield start, end
+        at = lower.find(b"solid", end)
 
 
 def _check_words(path: StrPath, data: bytes, text: npt.NDArray[np.uint8], starts: Positions) -> None:
