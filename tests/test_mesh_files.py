@@ -231,6 +231,13 @@ def test_saving_under_an_unknown_ending_names_the_known_ones(name: str, tmp_path
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize(("name", "known"), [("a.ply", "binary, endian"), ("a.off", "it has none")])
+def test_saving_with_an_unknown_option_names_the_known_ones(name: str, known: str, tmp_path: Path) -> None:
+    with pytest.raises(FileError, match=f'no option "ascii".*{known}'):
+        save(TRIANGLE, tmp_path / name, ascii=True)
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_saving_what_is_no_mesh_is_refused(tmp_path: Path) -> None:
     with pytest.raises(FileError, match="a dict cannot be saved"):
         save({}, tmp_path / "a.ply")
@@ -263,3 +270,26 @@ def test_extra_words_in_a_row_are_warned_of() -> None:
     assert mesh.colours is not None
     # 192 of 255, decoded as IEC 61966-2-1 says.
     assert np.allclose(mesh.colours.values, [*[((192 / 255 + 0.055) / 1.055) ** 2.4] * 3, 1])
+
+
+def test_the_examples_of_the_page_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    page = (Path(__file__).parents[1] / "docs/files.md").read_text()
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, object] = {}
+    for block in re.findall(r"```python\n(.*?)```", page, re.DOTALL):
+        exec(compile(block, "docs/files.md", "exec"), names)
+    printed = re.findall(r"```text\n(.*?)```", page, re.DOTALL)
+    assert capsys.readouterr().out == "".join(printed)
+
+
+@pytest.mark.parametrize("name", ["a.ply", "a.obj", "a.stl", "a.off"])
+def test_others_read_what_is_written(name: str, tmp_path: Path) -> None:
+    points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]) / 4
+    mesh = Mesh(points, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+    for binary in (True, False):
+        options = {"binary": binary} if name.endswith((".ply", ".stl")) else {}
+        save(mesh, tmp_path / name, **options)
+        other = trimesh.load(tmp_path / name, process=False, force="mesh", maintain_order=True)
+        assert np.array_equal(np.asarray(other.vertices)[np.asarray(other.faces)], mesh.vertices[mesh.faces])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+import inspect
 import math
 from collections.abc import Callable
 from pathlib import Path
@@ -86,7 +87,13 @@ def load_mesh(path: StrPath, *, up: Up | None = None, scale: float = 1.0) -> Mes
 def save_mesh(mesh: Mesh, path: StrPath, **options: object) -> None:
     """Write a mesh in the format that the ending tells; see `isophote.save`."""
     file = Path(path)
-    data = _by_ending(WRITERS, file, "writes meshes as")(mesh, file, **options)
+    encode = _by_ending(WRITERS, file, "writes meshes as")
+    known = [name for name, p in inspect.signature(encode).parameters.items() if p.kind is p.KEYWORD_ONLY]
+    unknown = [name for name in options if name not in known]
+    if unknown:
+        has = f"its options are {', '.join(known)}" if known else "it has none"
+        raise FileError(path, f'this format has no option "{unknown[0]}"; {has}')
+    data = encode(mesh, file, **options)
     # Without a time in it, equal meshes give equal files.
     write_bytes(path, gzip.compress(data, mtime=0) if file.suffix.lower() == ".gz" else data)
 
