@@ -93,6 +93,7 @@ def build_triangles(positions: npt.ArrayLike, triangles: npt.ArrayLike, threads:
         skeleton = _grow(run, records, count, whole, TRIANGLES)
         del records
         nodes, slots = _lay_out(run, skeleton, TRIANGLES)
+        del skeleton
         blocks = np.empty(len(slots) // LANES * BLOCK, np.float32)
         run(build_wide.fill_blocks, [(points, corners, slots, blocks, *p) for p in _pieces(0, len(slots))])
     return Tree(nodes, blocks, _bounds(whole))
@@ -189,39 +190,42 @@ class _Branch(NamedTuple):
 
 
 class _Skeleton(NamedTuple):
-    """A binary tree: records of nodes, first children, costs of collapsing, and the items in the leaves' order."""
+    """A binary tree: records of nodes, first children, the items in the leaves' order; and which nodes there are, by
+    subtrees, those near the root last.
+    """
 
     nodes: FloatArray
     children: IntArray
-    costs: FloatArray
     order: IntArray
+    spans: list[tuple[int, int]]
 
 
 def _grow(run: _Run, records: FloatArray, count: int, whole: FloatArray, kind: Kind) -> _Skeleton:
     """The binary tree over `count` records: large nodes split by all threads, the rest a subtree a thread."""
     branches, links = _split_large(run, records, count, whole, kind)
     size = len(branches) + 2 * count
-    nodes, costs = np.empty(size * build.RECORD, np.float32), np.empty(size * WIDTH, np.float32)
-    children, order = np.empty(size, np.int32), np.empty(count, np.int32)
+    nodes, children, order = (
+        np.empty(size * build.RECORD, np.float32),
+        np.empty(size, np.int32),
+        np.empty(count, np.int32),
+    )
     children[: len(links)] = links
     rows = nodes.reshape(-1, build.RECORD)
     for node, branch in enumerate(branches):
         rows[node] = branch.bounds[:8]
         rows.view(np.int32)[node, [3, 7]] = branch.first, branch.items
 
-    def subtree(node: int) -> None:
+    def subtree(node: int) -> tuple[int, int]:
         first, _, depth, bounds = branches[node]
         free = len(branches) + 2 * first
-        end = build.build_subtree(
+        return free, build.build_subtree(
             records, nodes, children, order, count, node, free, depth, kind.lanes, kind.smallest, bounds[8:]
         )
-        build_wide.collapse_costs(nodes, children, costs, free, end, *kind.collapse)
 
     small = [node for node, link in enumerate(links) if link == 0]
     small.sort(key=lambda node: -branches[node].items)
-    run(subtree, [(node,) for node in small])
-    build_wide.collapse_costs(nodes, children, costs, 0, len(branches), *kind.collapse)
-    return _Skeleton(nodes, children, costs, order)
+    spans = run(subtree, [(node,) for node in small])
+    return _Skeleton(nodes, children, order, [*spans, (0, len(branches))])
 
 
 def _split_large(
@@ -304,12 +308,16 @@ def _split_level(
 
 def _lay_out(run: _Run, skeleton: _Skeleton, kind: Kind) -> tuple[FloatArray, IntArray]:
     """Nodes and slots: the wide nodes near the root, then every subtree below them by itself."""
+    tree = skeleton.nodes, skeleton.children, np.empty(len(skeleton.children) * WIDTH, np.float32)
+    *subtrees, near_root = [(*tree, *span, *kind.collapse) for span in skeleton.spans]
+    run(build_wide.collapse_costs, subtrees)
+    build_wide.collapse_costs(*near_root)
     nodes, slots = np.empty(0, np.float32), np.empty(0, np.int32)
     tasks = np.empty((8 * (MAX_DEPTH + 2) * (1 + len(skeleton.order) // _GRAIN), 2), np.int64)
 
     def write(root: int, parent: int, number: int, block: int) -> tuple[int, int, int]:
         written: tuple[int, int, int] = build_wide.lay_out(
-            *skeleton, nodes, slots, tasks.reshape(-1), root, parent, number, block, _GRAIN, *kind.collapse
+            *tree, skeleton.order, nodes, slots, tasks.reshape(-1), root, parent, number, block, _GRAIN, *kind.collapse
         )
         return written
 
