@@ -45,6 +45,7 @@ needs_models = pytest.mark.skipif(not MODELS.exists(), reason="the shared models
 FUZZ = settings(max_examples=200, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 
 TRIANGLE = Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+ACCESSOR = {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}
 CHECKS = Texture(np.arange(48, dtype=np.uint8).reshape(4, 4, 3), name="checks", wrap="mirror", filter="nearest")
 ROUGH = Texture(np.arange(48, dtype=np.uint8).reshape(4, 4, 3)[::-1].copy(), "linear", wrap="clamp")
 
@@ -356,6 +357,24 @@ def test_mirrored_parts_of_a_mesh_keep_their_front() -> None:
     assert np.cross(b - a, c - a)[2] > 0
 
 
+@pytest.mark.parametrize("scale", [[-1, 2, 1], [2, 3, 0.5], [-1, -2, -3]])
+def test_normals_of_placed_parts_stand_on_their_faces(scale: list[float]) -> None:
+    points = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1]], "<f4")
+    normals = np.full((3, 3), math.sqrt(1 / 3), "<f4")
+    whole = with_bytes(
+        points.tobytes() + normals.tobytes(),
+        [{"byteLength": 36}, {"byteOffset": 36, "byteLength": 36}],
+        [ACCESSOR, {**ACCESSOR, "bufferView": 1}],
+        meshes=[{"primitives": [{"attributes": {"POSITION": 0, "NORMAL": 1}}]}],
+        nodes=[{"mesh": 0, "scale": scale, "rotation": [0.5, 0.5, -0.5, 0.5]}],
+    )
+    mesh = read_gltf_mesh(Path("x.gltf"), json.dumps(whole).encode())
+    a, b, c = mesh.vertices[mesh.faces[0]]
+    across = np.cross(b - a, c - a)
+    assert mesh.normals is not None
+    assert np.allclose(mesh.normals.values, across / np.linalg.norm(across), atol=1e-6)
+
+
 @pytest.mark.parametrize(
     ("code", "kind", "scale"), [(5120, "i1", 127), (5121, "u1", 255), (5122, "<i2", 32767), (5123, "<u2", 65535)]
 )
@@ -475,8 +494,6 @@ def test_a_mesh_of_many_parts_tells_their_materials() -> None:
 
 
 # Refusals
-
-ACCESSOR = {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}
 
 
 @pytest.mark.parametrize(

@@ -45,7 +45,7 @@ def read_obj_scene(path: Path, data: bytes, *, strict: bool = False) -> Scene:
     items = []
     for number in ordered:
         name = labels.names[number] if number >= 0 else None
-        part = mesh if len(numbers) == 1 else _part(mesh, labels.index == number)
+        part = _without_materials(mesh) if len(numbers) == 1 else _part(mesh, labels.index == number)
         items.append(Item(part, Matte() if name is None else reader.material(name), name=name))
     return Scene(items)
 
@@ -118,8 +118,16 @@ class _Materials:
             return Texture.missing(name)
 
 
+def _without_materials(mesh: Mesh) -> Mesh:
+    """The mesh without labels that its item's material makes needless."""
+    return mesh.with_(labels={name: label for name, label in mesh.labels.items() if name != "material"})
+
+
 def _part(mesh: Mesh, chosen: npt.NDArray[np.bool_]) -> Mesh:
-    """The chosen faces of a mesh, with the vertices and the rows of attributes that they use, in their order."""
+    """The chosen faces of a mesh, with the vertices and the rows of attributes that they use, in their order.
+
+    The label "material" is left out, for all of them have one.
+    """
     sizes = mesh.face_sizes
     corners = np.flatnonzero(np.repeat(chosen, sizes))
     vertices, indices = np.unique(mesh.indices[corners], return_inverse=True)
@@ -128,9 +136,14 @@ def _part(mesh: Mesh, chosen: npt.NDArray[np.bool_]) -> Mesh:
     for name, attribute in mesh.attributes.items():
         if attribute.indices is None:
             attributes[name] = Attribute(attribute.values[vertices])
-        else:
-            rows, places = np.unique(attribute.indices[corners], return_inverse=True)
-            none = int(rows[0] == -1)
+            continue
+        rows, places = np.unique(attribute.indices[corners], return_inverse=True)
+        none = int(rows[0] == -1)
+        if len(rows) > none:
             attributes[name] = Attribute(attribute.values[rows[none:]], places.reshape(-1) - none)
-    kept = {name: FaceLabels(label.names, label.index[chosen]) for name, label in mesh.labels.items()}
-    return Mesh.from_polygons(mesh.vertices[vertices], indices.reshape(-1), offsets, attributes=attributes, labels=kept)
+    labels = {
+        name: FaceLabels(label.names, label.index[chosen]) for name, label in mesh.labels.items() if name != "material"
+    }
+    return Mesh.from_polygons(
+        mesh.vertices[vertices], indices.reshape(-1), offsets, attributes=attributes, labels=labels
+    )

@@ -22,7 +22,7 @@ _BINARY_CHUNK = 0x004E4942
 
 # A file may use its bytes many times over; beyond this it does nothing else.
 _FREE_BYTES = 256 << 20
-_BYTES_PER_BYTE = 256
+_BYTES_PER_BYTE = 64
 
 _SUPPORTED = frozenset(
     (

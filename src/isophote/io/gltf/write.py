@@ -24,7 +24,7 @@ from isophote.scene.scene import Item, Scene
 from isophote.scene.transform import look_frame
 from isophote.shapes.mesh import Mesh
 
-__all__ = ["encode_gltf_mesh", "write_gltf_scene"]
+__all__ = ["encode_gltf_mesh", "encode_gltf_scene", "write_gltf_scene"]
 
 Json: TypeAlias = dict[str, Any]
 Matrix: TypeAlias = npt.NDArray[np.float64]
@@ -34,17 +34,22 @@ _NEAR = 0.01
 
 
 def write_gltf_scene(path: StrPath, scene: Scene) -> None:
-    """Write a scene of meshes as .glb, or as a .gltf that holds everything itself.
+    """Write a scene of meshes; see `encode_gltf_scene`. Raises `FileError` also where it cannot be written."""
+    write_bytes(path, encode_gltf_scene(scene, path))
+
+
+def encode_gltf_scene(scene: Scene, path: StrPath) -> bytes:
+    """The bytes of a .glb with a scene of meshes, or of a .gltf that holds everything itself, as `path` ends.
 
     A mesh that several items share is written once. Polygons become triangles, and vertices are split where an
     attribute differs from corner to corner. Point lights and suns are kept; other lights are left out, with an
-    `IsophoteWarning`. Raises `FileError` for shapes that are no meshes and where the file cannot be written.
+    `IsophoteWarning`. Raises `FileError` for shapes that are no meshes.
     """
     builder = Builder()
     nodes = _item_nodes(path, builder, scene.items) + _light_nodes(path, builder, scene.lights)
     if scene.camera is not None:
         nodes.append(_camera_node(builder, scene.camera))
-    write_bytes(path, _encoded(path, builder, nodes, scene.name))
+    return _encoded(path, builder, nodes, scene.name)
 
 
 def encode_gltf_mesh(mesh: Mesh, path: Path) -> bytes:

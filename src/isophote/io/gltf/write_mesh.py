@@ -57,7 +57,7 @@ class MeshWriter:
 
 
 def _fits(name: str, attribute: Attribute) -> bool:
-    if attribute.values.shape[1] not in _WIDTHS.get(name, ()):
+    if len(attribute.values) == 0 or attribute.values.shape[1] not in _WIDTHS.get(name, ()):
         return False
     return name in _NEUTRAL or attribute.indices is None or bool((attribute.indices >= 0).all())
 
@@ -82,10 +82,10 @@ def _split(mesh: Mesh, attributes: dict[str, Attribute], corners: Array) -> tupl
 
 def _values(name: str, attribute: Attribute, rows: Array) -> npt.NDArray[np.float32]:
     values = attribute.values[rows].astype(np.float64)
-    if name == "uv":
-        values[:, 1] = 1.0 - values[:, 1]
     missing = rows < 0
     if missing.any():
         values[missing] = _NEUTRAL[name]
+    if name == "uv":
+        values[:, 1] = 1.0 - values[:, 1]
     with np.errstate(over="ignore"):
         return np.nan_to_num(values.astype(np.float32))
