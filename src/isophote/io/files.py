@@ -1,4 +1,4 @@
-"""What every reader and writer needs: bytes in, and a whole file or none out."""
+"""What every writer needs: a whole file, or none."""
 
 from __future__ import annotations
 
@@ -11,17 +11,9 @@ from typing import TypeAlias
 
 from isophote.errors import FileError
 
-__all__ = ["StrPath", "read_bytes", "replacing", "write_bytes"]
+__all__ = ["StrPath", "replacing", "write_bytes"]
 
 StrPath: TypeAlias = str | PathLike[str]
-
-
-def read_bytes(path: StrPath) -> bytes:
-    """Everything in a file. Raises `FileError` when it cannot be read."""
-    try:
-        return Path(path).read_bytes()
-    except (OSError, ValueError) as error:
-        raise FileError(path, f"cannot be read: {_reason(error)}") from error
 
 
 @contextmanager
