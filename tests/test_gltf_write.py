@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 from hypothesis import given, settings
 
 import isophote as iso
@@ -26,6 +27,7 @@ from isophote import (
     Scene,
     Texture,
     Transform,
+    load_mesh,
     load_scene,
     save,
 )
@@ -169,3 +171,14 @@ def test_polygons_with_attributes_at_corners_come_back_as_triangles(mesh: Mesh) 
             expected = np.divide(expected, lengths, out=np.zeros_like(expected), where=lengths > 1e-30)
         assert np.allclose(values, expected, atol=1e-6)
         assert attribute.values.shape[1] == values.shape[1]
+
+
+@needs_models
+@pytest.mark.parametrize("ending", [".glb", ".gltf"])
+def test_another_reader_finds_the_same_triangles(ending: str, tmp_path: Path) -> None:
+    scene = load_scene(GLTF / "CesiumMilkTruck.glb")
+    save(scene, tmp_path / f"truck{ending}")
+    theirs = trimesh.load(tmp_path / f"truck{ending}", process=False).to_geometry()
+    ours = load_mesh(GLTF / "CesiumMilkTruck.glb")
+    mine = np.sort(ours.vertices[ours.indices], axis=0)
+    assert np.allclose(mine, np.sort(np.asarray(theirs.vertices)[theirs.faces.ravel()], axis=0), atol=1e-5)

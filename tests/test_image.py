@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+import re
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -136,3 +137,14 @@ def test_other_files_are_refused(tmp_path: Path) -> None:
     with pytest.raises(FileError, match="whole numbers"):
         load_image(tmp_path / "n.exr")
     assert sorted(p.name for p in tmp_path.iterdir()) == ["n.exr", "z.exr"]
+
+
+def test_the_examples_of_the_page_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    page = (Path(__file__).parents[1] / "docs/pictures.md").read_text()
+    blocks = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, object] = {}
+    for block in blocks:
+        exec(compile(block, "docs/pictures.md", "exec"), names)
+    assert len(blocks) == 4
+    assert (tmp_path / "scene.glb").exists()
