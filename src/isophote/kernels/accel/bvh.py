@@ -30,15 +30,15 @@ from isophote.kernels.base.simd import (
 )
 from isophote.kernels.forms.triangle import hit_block, shear
 
-__all__ = ["any_triangle", "closest_triangle"]
+__all__ = ["FAR_SLACK", "ORIGIN_SLACK", "TINY", "any_triangle", "closest_triangle"]
 
 _ZERO = np.float32(0)
 _ONE = np.float32(1)
 # Least component of a direction in the slab test: smaller ones would overflow its reciprocal.
-_TINY = np.float32(1e-18)
+TINY = np.float32(1e-18)
 # Rounding of o/d is at most 2^-23 |o/d|; of the whole distance a few 2^-24 of it. Both are given room to spare.
-_ORIGIN_SLACK = np.float32(2.0**-21)
-_FAR_SLACK = np.float32(1 + 2.0**-20)
+ORIGIN_SLACK = np.float32(2.0**-21)
+FAR_SLACK = np.float32(1 + 2.0**-20)
 _NO_HIT = np.int64(-1)
 
 
@@ -61,7 +61,7 @@ class Slabs(NamedTuple):
 
 @device
 def _reciprocal(d):
-    return _ONE / (d if abs(d) > _TINY else (_TINY if d >= _ZERO else -_TINY))
+    return _ONE / (d if abs(d) > TINY else (TINY if d >= _ZERO else -TINY))
 
 
 @device
@@ -69,7 +69,7 @@ def slabs(origin, direction):
     """The ray's `Slabs`."""
     ix, iy, iz = _reciprocal(direction.x), _reciprocal(direction.y), _reciprocal(direction.z)
     x, y, z = origin.x * ix, origin.y * iy, origin.z * iz
-    ex, ey, ez = abs(x) * _ORIGIN_SLACK, abs(y) * _ORIGIN_SLACK, abs(z) * _ORIGIN_SLACK
+    ex, ey, ez = abs(x) * ORIGIN_SLACK, abs(y) * ORIGIN_SLACK, abs(z) * ORIGIN_SLACK
     return Slabs(
         np.int64(0 if ix >= _ZERO else UPPER),
         np.int64(8 if iy >= _ZERO else UPPER + 8),
@@ -103,7 +103,7 @@ def enter_children(nodes, base, ray, t_max):
         ),
         minimum(load8(nodes, base + (UPPER + 32 - ray.near_z)) * ray.inv_z - ray.leave_z, splat8(t_max)),
     )
-    return bits(near <= far * splat8(_FAR_SLACK)), near
+    return bits(near <= far * splat8(FAR_SLACK)), near
 
 
 @device

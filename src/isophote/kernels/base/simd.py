@@ -1,4 +1,4 @@
-"""Vectors of the processor as Numba types: `f32x8` and `f32x4`, eight or four floats in one register.
+"""Vectors of the processor as Numba types: `f32x16`, `f32x8` and `f32x4`, so many floats in one register.
 
 A vector exists only inside kernels: it is loaded from or stored to an array, or made by `splat`, and has
 the operators `+ - * /`, negation, the comparisons (which give a mask), and the functions below. Masks have
@@ -29,11 +29,15 @@ from isophote.kernels.base.table import ViewType
 
 __all__ = [
     "absolute",
+    "as_float",
     "bits",
     "exact_product_difference",
     "lane",
+    "largest",
+    "least",
     "load4",
     "load8",
+    "load16",
     "load_float",
     "load_int",
     "lowest_bit",
@@ -43,9 +47,11 @@ __all__ = [
     "select",
     "splat4",
     "splat8",
+    "splat16",
     "square_root",
     "store4",
     "store8",
+    "store16",
     "store_float",
     "store_int",
     "swap_triples",
@@ -84,9 +90,9 @@ class _MaskModel(models.PrimitiveModel):
         super().__init__(dmm, fe_type, ir.VectorType(_I1, fe_type.lanes))
 
 
-f32x8, f32x4 = VectorType(8), VectorType(4)
-mask8, mask4 = MaskType(8), MaskType(4)
-_MASK_OF = {f32x8: mask8, f32x4: mask4}
+f32x16, f32x8, f32x4 = VectorType(16), VectorType(8), VectorType(4)
+mask16, mask8, mask4 = MaskType(16), MaskType(8), MaskType(4)
+_MASK_OF = {f32x16: mask16, f32x8: mask8, f32x4: mask4}
 
 
 def _is_vector(*operands) -> bool:
@@ -145,6 +151,7 @@ def _storer(value: types.Type, element: ir.Type):
     return store
 
 
+load16, store16 = _loader(f32x16, ir.VectorType(_F32, 16)), _storer(f32x16, ir.VectorType(_F32, 16))
 load8, store8 = _loader(f32x8, ir.VectorType(_F32, 8)), _storer(f32x8, ir.VectorType(_F32, 8))
 load4, store4 = _loader(f32x4, ir.VectorType(_F32, 4)), _storer(f32x4, ir.VectorType(_F32, 4))
 # One word of an array of 32-bit elements, read or written as the type in the name whatever the array's own
@@ -185,7 +192,37 @@ def _splatter(result: VectorType):
     return splat
 
 
-splat8, splat4 = _splatter(f32x8), _splatter(f32x4)
+splat16, splat8, splat4 = _splatter(f32x16), _splatter(f32x8), _splatter(f32x4)
+
+
+@intrinsic
+def as_float(typingctx, x):
+    """The float that has the bits of an int32; it may only be moved, not computed with."""
+
+    def codegen(context, builder, signature, args):
+        return builder.bitcast(args[0], _F32)
+
+    return types.float32(types.int32), codegen
+
+
+def _reducer(name: str):
+    @intrinsic
+    def reduce(typingctx, v):
+        if not _is_vector(v):
+            return None
+
+        def codegen(context, builder, signature, args):
+            kind = ir.FunctionType(_F32, [args[0].type])
+            function = cgutils.get_or_insert_function(builder.module, kind, f"llvm.vector.reduce.{name}.v{v.lanes}f32")
+            return builder.call(function, args, fastmath=("nnan", "nsz"))
+
+        return types.float32(v), codegen
+
+    return reduce
+
+
+# Least and largest lane of a vector without NaN.
+least, largest = _reducer("fmin"), _reducer("fmax")
 
 
 @intrinsic

@@ -246,7 +246,7 @@ class Table:
 
     def _words_of(self, field: str, kind: types.Type, value: Any) -> tuple[int, int, int]:
         if isinstance(kind, ViewType):
-            right = value.dtype.name == kind.dtype.name and value.flags.c_contiguous
+            right = value.dtype == np.dtype(kind.dtype.name) and value.flags.c_contiguous
             if not right or (value.ndim > 1) != (kind.ndim > 1):
                 raise TypeError(f"{self.name}.{field} must be a contiguous {kind}, not {value.dtype} {value.shape}")
             rows = value.shape[0]

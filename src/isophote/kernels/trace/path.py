@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from isophote.kernels.accel.geometry import Hit, closest_hit, occluded
+from isophote.kernels.accel.geometry import Hit
 from isophote.kernels.accel.surface import MATERIAL, offset_point, surface_at, triangle_light
 from isophote.kernels.base.jit import device, kernel
 from isophote.kernels.base.sampler import draw_pairs
@@ -23,8 +23,6 @@ from isophote.kernels.base.vec import dot, length, maximum_component, reflect, v
 from isophote.kernels.base.warp import INV_PI, to_disk
 from isophote.kernels.light.bsdf import BLACK, MATTE, MIRROR, scatter_glass, scatter_matte
 from isophote.kernels.light.emitter import (
-    closest_lamp,
-    lamp_blocks,
     lamp_radiance,
     light_density,
     pick_light,
@@ -33,6 +31,7 @@ from isophote.kernels.light.emitter import (
 from isophote.kernels.light.environment import environment_density, environment_radiance
 from isophote.kernels.light.film import add_sample, filter_offset
 from isophote.kernels.trace import wave as rows
+from isophote.kernels.trace.batch import LAMP, trace_rays, trace_shadow_rays
 from isophote.kernels.trace.camera import camera_ray
 from isophote.kernels.trace.shading import surface_colour, surface_emission
 from isophote.kernels.trace.tables import FILM, PLAN, SCENE
@@ -45,7 +44,6 @@ _FAR = np.float32(np.inf)
 # A shadow ray ends this much short of its light, in parts of its length, lest it meets the light itself.
 _SHADOW_END = np.float32(1 - 1e-4)
 _MOST_LIKELY = np.float32(0.95)
-_LAMP = np.int64(-2)
 
 open_scene, open_plan, open_film, open_wave = SCENE.open, PLAN.open, FILM.open, rows.WAVE.open
 
@@ -116,23 +114,6 @@ def _draw_step(plan, wave, count, depth):
     _draw(plan, wave, count, first + _PICK, rows.PICK_U)
     _draw(plan, wave, count, first + _LIGHT, rows.LIGHT_U)
     _draw(plan, wave, count, first + _SCATTER, rows.SCATTER_U)
-
-
-@device
-def _trace(tables, wave, count):
-    """First hit of every path's ray; a disk or sphere light in front of it has slot _LAMP and its number."""
-    floats, longs = wave.floats, wave.longs
-    for i in range(count):
-        origin, direction = row_vec3(floats, rows.ORIGIN, i), row_vec3(floats, rows.DIRECTION, i)
-        hit = closest_hit(tables.geometry, origin, direction, _FAR, wave.scratch)
-        t, slot, instance = hit.t, hit.slot, hit.instance
-        if tables.lights.lamps.rows > 0:
-            t, lamp = closest_lamp(tables.lights, origin, direction, t)
-            if lamp >= 0:
-                slot, instance = _LAMP, lamp
-        floats[rows.HIT_T, i] = t
-        floats[rows.HIT_W1, i], floats[rows.HIT_W2, i] = hit.weight1, hit.weight2
-        longs[rows.HIT_SLOT, i], longs[rows.HIT_INSTANCE, i] = slot, instance
 
 
 @device
@@ -253,7 +234,7 @@ def _shade(tables, plan, wave, count, depth):
         origin, direction = row_vec3(floats, rows.ORIGIN, i), row_vec3(floats, rows.DIRECTION, i)
         carried, scattered = row_vec3(floats, rows.CARRIED, i), floats[rows.DENSITY, i]
         if slot < 0:
-            if slot == _LAMP:
+            if slot == LAMP:
                 k = longs[rows.HIT_INSTANCE, i]
                 to_light = direction * floats[rows.HIT_T, i]
                 radiance = lamp_radiance(tables.lights, k, origin + to_light, direction)
@@ -292,20 +273,6 @@ def _shade(tables, plan, wave, count, depth):
 
 
 @device
-def _trace_shadows(tables, wave, count):
-    """Add the light of every shadow ray that nothing blocks."""
-    floats, ints = wave.floats, wave.ints
-    for i in range(count):
-        origin, direction = row_vec3(floats, rows.SHADOW_ORIGIN, i), row_vec3(floats, rows.SHADOW_DIRECTION, i)
-        end = floats[rows.SHADOW_END, i]
-        if occluded(tables.geometry, origin, direction, end, wave.scratch):
-            continue
-        if lamp_blocks(tables.lights, origin, direction, end):
-            continue
-        add_radiance(wave, np.int64(ints[rows.SHADOW_OWNER, i]), row_vec3(floats, rows.SHADOW_LIGHT, i))
-
-
-@device
 def _develop(plan, tile, first, count, wave, film):
     """Add the wave's paths to the film, in their order."""
     floats = wave.floats
@@ -330,10 +297,11 @@ def path_trace_tile(scene_words, plan_words, film_words, wave_words, x0, x1, y0,
         _start(tables, plan, tile, first, count, wave)
         alive = count
         for depth in range(1, plan.max_depth + 1):
-            _trace(tables, wave, alive)
+            # Rays of one pixel leave the camera together; later ones go every way.
+            trace_rays(tables, wave, alive, depth == 1)
             _draw_step(plan, wave, alive, depth)
             alive, shadows = _shade(tables, plan, wave, alive, depth)
-            _trace_shadows(tables, wave, shadows)
+            trace_shadow_rays(tables, wave, shadows, depth == 1)
             if alive == 0:
                 break
         _develop(plan, tile, first, count, wave, film)

@@ -36,9 +36,9 @@ FLOAT_COUNT = 32
 PIXEL, SAMPLE, OWNER, SHADOW_OWNER = 0, 1, 2, 3
 INT_COUNT = 4
 
-# Long rows: slot and instance of the hit.
-HIT_SLOT, HIT_INSTANCE = 0, 1
-LONG_COUNT = 2
+# Long rows: slot and instance of the hit, order in which packets take rays.
+HIT_SLOT, HIT_INSTANCE, ORDER = 0, 1, 2
+LONG_COUNT = 3
 
 
 # `floats`, `ints`, `longs`: the rows above; `scratch` for the traversal.

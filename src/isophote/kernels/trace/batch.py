@@ -1,0 +1,167 @@
+"""The rays of a wave through the tree: one by one, or sixteen at a time where that pays."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from isophote.kernels.accel.geometry import closest_hit, occluded
+from isophote.kernels.accel.layout import BLOCK, PACKET
+from isophote.kernels.accel.packet import FOUND, LIMIT, ORIGINS, any_packet, closest_packet, longest_axis
+from isophote.kernels.base.jit import device
+from isophote.kernels.base.simd import load_float, load_int, store_float
+from isophote.kernels.light.emitter import closest_lamp, lamp_blocks
+from isophote.kernels.trace import wave as rows
+from isophote.kernels.trace.wave import add_radiance, row_vec3
+
+__all__ = ["LAMP", "trace_rays", "trace_shadow_rays"]
+
+# Slot of a hit that is a disk or sphere light, whose number stands in the place of the instance.
+LAMP = np.int64(-2)
+
+_ONE = np.float32(1)
+_FAR = np.float32(np.inf)
+_NOWHERE = np.int64(-1)
+
+# Scenes of so few leaf blocks are traced in packets even where rays go every way.
+_FEW_BLOCKS = 24
+
+
+@device
+def _in_packets(geometry, coherent):
+    """Whether rays go in packets: where they go much the same way, or nearly every ray comes by every triangle."""
+    return geometry.top_nodes.rows == 0 and (coherent or geometry.blocks.rows <= _FEW_BLOCKS * BLOCK)
+
+
+@device
+def _sort_by_axis(wave, direction_row, count):
+    """Order of the wave's columns by the longest axis of their directions, those of one axis as they were; the counts
+    of the first and the second axis."""
+    floats, order = wave.floats, wave.longs[rows.ORDER]
+    first, second = np.int64(0), np.int64(0)
+    for i in range(count):
+        axis = longest_axis(row_vec3(floats, direction_row, i))
+        first += axis == 0
+        second += axis == 1
+    next0, next1, next2 = np.int64(0), first, first + second
+    for i in range(count):
+        axis = longest_axis(row_vec3(floats, direction_row, i))
+        if axis == 0:
+            order[next0] = i
+            next0 += 1
+        elif axis == 1:
+            order[next1] = i
+            next1 += 1
+        else:
+            order[next2] = i
+            next2 += 1
+    return first, second
+
+
+@device
+def _load_packet(wave, first, last, origin_row):
+    """Copy rays order[first] … order[last − 1] into the packet's scratch, with direction rows after the origins'; lanes
+    that are left over repeat the last ray, switched off."""
+    floats, order, scratch = wave.floats, wave.longs[rows.ORDER], wave.scratch
+    for lane in range(PACKET):
+        i = order[min(first + lane, last - 1)]
+        for k in range(6):
+            store_float(scratch, (ORIGINS + k) * PACKET + lane, floats[origin_row + k, i])
+        store_float(scratch, LIMIT * PACKET + lane, _FAR if first + lane < last else -_ONE)
+
+
+@device
+def _store_hits(wave, first, last):
+    floats, longs, scratch = wave.floats, wave.longs, wave.scratch
+    for lane in range(last - first):
+        i = longs[rows.ORDER, first + lane]
+        floats[rows.HIT_T, i] = load_float(scratch, FOUND * PACKET + lane)
+        floats[rows.HIT_W1, i] = load_float(scratch, (FOUND + 1) * PACKET + lane)
+        floats[rows.HIT_W2, i] = load_float(scratch, (FOUND + 2) * PACKET + lane)
+        longs[rows.HIT_SLOT, i] = load_int(scratch, (FOUND + 3) * PACKET + lane)
+        longs[rows.HIT_INSTANCE, i] = 0
+
+
+@device
+def _closest_in_packets(geometry, wave, count):
+    count0, count1 = _sort_by_axis(wave, rows.DIRECTION, count)
+    start = np.int64(0)
+    for axis in range(3):
+        end = start + (count0 if axis == 0 else (count1 if axis == 1 else count - count0 - count1))
+        for first in range(start, end, PACKET):
+            last = min(first + PACKET, end)
+            _load_packet(wave, first, last, rows.ORIGIN)
+            closest_packet(geometry.nodes, geometry.blocks, axis, wave.scratch)
+            _store_hits(wave, first, last)
+        start = end
+
+
+@device
+def _closest_one_by_one(geometry, wave, count):
+    floats, longs = wave.floats, wave.longs
+    for i in range(count):
+        origin, direction = row_vec3(floats, rows.ORIGIN, i), row_vec3(floats, rows.DIRECTION, i)
+        hit = closest_hit(geometry, origin, direction, _FAR, wave.scratch)
+        floats[rows.HIT_T, i] = hit.t
+        floats[rows.HIT_W1, i], floats[rows.HIT_W2, i] = hit.weight1, hit.weight2
+        longs[rows.HIT_SLOT, i], longs[rows.HIT_INSTANCE, i] = hit.slot, hit.instance
+
+
+@device
+def trace_rays(scene, wave, count, coherent):
+    """First hit of every path's ray, lamps included."""
+    if _in_packets(scene.geometry, coherent):
+        _closest_in_packets(scene.geometry, wave, count)
+    else:
+        _closest_one_by_one(scene.geometry, wave, count)
+    if scene.lights.lamps.rows == 0:
+        return
+    floats, longs = wave.floats, wave.longs
+    for i in range(count):
+        origin, direction = row_vec3(floats, rows.ORIGIN, i), row_vec3(floats, rows.DIRECTION, i)
+        t, lamp = closest_lamp(scene.lights, origin, direction, floats[rows.HIT_T, i])
+        if lamp >= 0:
+            floats[rows.HIT_T, i] = t
+            longs[rows.HIT_SLOT, i], longs[rows.HIT_INSTANCE, i] = LAMP, lamp
+
+
+@device
+def _light_arrives(scene, wave, i):
+    """Add the light of shadow ray `i`, which no triangle blocks, unless a lamp does."""
+    floats = wave.floats
+    if scene.lights.lamps.rows > 0:
+        origin, direction = row_vec3(floats, rows.SHADOW_ORIGIN, i), row_vec3(floats, rows.SHADOW_DIRECTION, i)
+        if lamp_blocks(scene.lights, origin, direction, floats[rows.SHADOW_END, i]):
+            return
+    add_radiance(wave, np.int64(wave.ints[rows.SHADOW_OWNER, i]), row_vec3(floats, rows.SHADOW_LIGHT, i))
+
+
+@device
+def _shadows_in_packets(scene, wave, count):
+    count0, count1 = _sort_by_axis(wave, rows.SHADOW_DIRECTION, count)
+    floats, order, scratch = wave.floats, wave.longs[rows.ORDER], wave.scratch
+    start = np.int64(0)
+    for axis in range(3):
+        end = start + (count0 if axis == 0 else (count1 if axis == 1 else count - count0 - count1))
+        for first in range(start, end, PACKET):
+            last = min(first + PACKET, end)
+            _load_packet(wave, first, last, rows.SHADOW_ORIGIN)
+            for lane in range(last - first):
+                store_float(scratch, LIMIT * PACKET + lane, floats[rows.SHADOW_END, order[first + lane]])
+            blocked = any_packet(scene.geometry.nodes, scene.geometry.blocks, axis, scratch)
+            for lane in range(last - first):
+                if (blocked >> lane) & 1 == 0:
+                    _light_arrives(scene, wave, order[first + lane])
+        start = end
+
+
+@device
+def trace_shadow_rays(scene, wave, count, coherent):
+    """Add the light of every shadow ray that nothing blocks."""
+    if _in_packets(scene.geometry, coherent):
+        _shadows_in_packets(scene, wave, count)
+        return
+    floats = wave.floats
+    for i in range(count):
+        origin, direction = row_vec3(floats, rows.SHADOW_ORIGIN, i), row_vec3(floats, rows.SHADOW_DIRECTION, i)
+        if not occluded(scene.geometry, origin, direction, floats[rows.SHADOW_END, i], wave.scratch):
+            _light_arrives(scene, wave, i)
