@@ -95,9 +95,8 @@ def test_many_at_once_are_the_same_as_one_by_one_in_any_grouping(pattern):
     u, v = np.full((2, n + 1), -1, np.float32)
     drawn(pattern, 3, pixels, samples, 7, 100, n, u, v)
     assert u[n] == v[n] == -1
-    single = np.concatenate(
-        [sample(pattern, 1, pixel=p, seed=3, dimension=7, first=s, planned=100) for p, s in zip(pixels, samples)]
-    )
+    alone = zip(pixels, samples, strict=True)
+    single = np.concatenate([sample(pattern, 1, pixel=p, seed=3, dimension=7, first=s, planned=100) for p, s in alone])
     assert np.array_equal(np.stack([u[:n], v[:n]], 1), single)
     for start, size in ((0, 1), (5, 8), (100, 233)):
         a, b = np.zeros((2, size), np.float32)

@@ -54,12 +54,13 @@ def to_sphere(u, v):
 
 
 @device
-def to_cone(u, v, cos_limit):
-    """Unit square to the directions within an angle of +z, density 1/(2π (1 − cos_limit))."""
-    z = _ONE - u * (_ONE - cos_limit)
-    r = math.sqrt(max(_ZERO, _ONE - z * z))
+def to_cone(u, v, height):
+    """Unit square to the directions within an angle of +z, density 1/(2π height), where `height` is 1 less the angle's
+    cosine: given so, however narrow the cone is, nothing cancels."""
+    below = u * height
+    r = math.sqrt(max(_ZERO, below * (_TWO - below)))
     phi = _TWO * PI * v
-    return vec3(r * math.cos(phi), r * math.sin(phi), z)
+    return vec3(r * math.cos(phi), r * math.sin(phi), _ONE - below)
 
 
 @device

@@ -46,10 +46,8 @@ TRIANGLE, PARALLELOGRAM, DISK, SPHERE, POINT, SUN, ENVIRONMENT = 0, 1, 2, 3, 4, 
 # area, 1 for two sides, the radius of a sphere.
 _PLACE, _EDGE1, _EDGE2, _NORMAL, _RADIANCE, _AREA, _TWO_SIDED, _RADIUS = 0, 3, 6, 9, 12, 15, 16, 17
 
-_ZERO, _HALF, _ONE, _TWO = np.float32(0), np.float32(0.5), np.float32(1), np.float32(2)
+_ZERO, _ONE, _TWO = np.float32(0), np.float32(1), np.float32(2)
 _FAR = np.float32(np.inf)
-# Below this solid angle a sphere's cone is taken by its Taylor series: 1 − cos would cancel.
-_SMALL_SINE2 = np.float32(1e-4)
 
 
 # `kinds` (n,); `values` (n, 18), columns above; `cdf` (n + 1,): cumulative chances of being picked; `lamps`: the disks
@@ -122,35 +120,32 @@ def _sample_flat(values, k, point, place):
 
 @device
 def _cone_of_sphere(values, k, point):
-    """(1 − cosine of the half angle under which a sphere is seen, squared sine); negative from inside."""
+    """1 − cosine of the half angle under which a sphere is seen, as sin² / (1 + cos); negative from inside."""
     to_centre = _triple(values, k, _PLACE) - point
     distance2 = dot(to_centre, to_centre)
     radius = values[k, _RADIUS]
     if distance2 <= radius * radius:
-        return -_ONE, -_ONE
+        return -_ONE
     sine2 = radius * radius / distance2
-    if sine2 < _SMALL_SINE2:
-        return sine2 * _HALF, sine2
-    return _ONE - math.sqrt(_ONE - sine2), sine2
+    return sine2 / (_ONE + math.sqrt(_ONE - sine2))
 
 
 @device
 def _sample_sphere(values, k, point, u, v):
     """A direction uniform in the cone under which a sphere is seen from outside."""
-    one_less_cosine, _ = _cone_of_sphere(values, k, point)
-    if one_less_cosine < _ZERO:
+    height = _cone_of_sphere(values, k, point)
+    if height <= _ZERO:
         return _nothing()
     to_centre = _triple(values, k, _PLACE) - point
     distance = length(to_centre)
     axis = to_centre / distance
-    local = to_cone(u, v, _ONE - one_less_cosine)
+    local = to_cone(u, v, height)
     tangent, bitangent = orthonormal(axis)
     direction = tangent * local.x + bitangent * local.y + axis * local.z
     radius = values[k, _RADIUS]
-    reach = distance * local.z - math.sqrt(
-        max(_ZERO, radius * radius - distance * distance * (_ONE - local.z * local.z))
-    )
-    return _arrives(direction * reach, _ONE, _triple(values, k, _RADIANCE), _ONE / (_TWO * PI * one_less_cosine))
+    across2 = distance * distance * (local.x * local.x + local.y * local.y)
+    reach = distance * local.z - math.sqrt(max(_ZERO, radius * radius - across2))
+    return _arrives(direction * reach, _ONE, _triple(values, k, _RADIANCE), _ONE / (_TWO * PI * height))
 
 
 @device
@@ -177,6 +172,8 @@ def sample_light(lights, k, point, u, v):
         return _arrives(_triple(values, k, _NORMAL), _FAR, _triple(values, k, _RADIANCE), _ZERO)
     direction = sample_environment(lights.environment, u, v)
     density = environment_density(lights.environment, direction)
+    if density <= _ZERO:
+        return _nothing()
     return _arrives(direction, _FAR, environment_radiance(lights.environment, direction), density)
 
 
@@ -186,8 +183,8 @@ def light_density(lights, k, point, to_light):
     place on light `k` (any length for the environment)."""
     kind, values = lights.kinds[k], lights.values
     if kind == SPHERE:
-        one_less_cosine, _ = _cone_of_sphere(values, k, point)
-        return _ONE / (_TWO * PI * one_less_cosine) if one_less_cosine > _ZERO else _ZERO
+        height = _cone_of_sphere(values, k, point)
+        return _ONE / (_TWO * PI * height) if height > _ZERO else _ZERO
     if kind == ENVIRONMENT:
         return environment_density(lights.environment, normalise(to_light))
     distance2 = dot(to_light, to_light)
