@@ -78,7 +78,8 @@ class _SurfaceBuilder:
     def add(self, part: Part, cut: Triangles, first_triangle: int, world: Matrix) -> None:
         """One item; `world` takes its normals from the mesh to where its object stands."""
         mesh, linear = part.mesh, world[:3, :3]
-        mirrored = np.linalg.det(part.matrix[:3, :3]) < 0
+        # Placed corners turn over in a mirror; an instance's normals go by the inverse, which keeps them outward.
+        turned_over = np.linalg.det(linear) < 0
         faces = -1 if len(cut.triangles) == mesh.face_count else self.faces.once(mesh, cut.face)
         lights = -1 if part.lights is None else self.lights.add(part.lights)
         self.items.append(
@@ -89,7 +90,7 @@ class _SurfaceBuilder:
                 self._normals(mesh, cut, linear),
                 self._uvs(mesh, cut),
                 faces,
-                int(mirrored),
+                int(turned_over),
                 part.public,
             )
         )

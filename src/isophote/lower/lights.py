@@ -27,6 +27,8 @@ _LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 _COLUMNS = 18
 # A quad counts as a parallelogram if its fourth corner is where the others put it, to this part of its size.
 _FLAT = 1e-6
+# Numbers that pick a light are multiples of one part in so many.
+_STEPS = 2**24
 
 
 def rectangle_mesh(light: RectLight) -> Mesh:
@@ -164,15 +166,23 @@ def _is_parallelogram(p: Points) -> bool:
 
 
 def _cumulative(power: npt.NDArray[np.float64]) -> npt.NDArray[np.float32]:
-    """0 to 1 in steps that grow by each light's share; every light has some."""
-    if len(power) == 0:
+    """0 to 1 in steps that grow by each light's share; every light has some.
+
+    Steps are whole multiples of those of the numbers that pick, so that each light is picked as often as it says.
+    """
+    count = len(power)
+    if count == 0:
         return np.zeros(1, np.float32)
+    if count > _STEPS:
+        raise SceneError(f"{count:,} faces and lights shine, more than the {_STEPS:,} that can be told apart")
     total = power.sum()
-    share = power / total if total > 0 else np.full(len(power), 1 / len(power))
-    share = np.maximum(share, 1e-3 / len(power))
-    cdf = np.concatenate([np.zeros(1), np.cumsum(share / share.sum())])
-    cdf[-1] = 1.0
-    return cdf.astype(np.float32)
+    share = power / total if total > 0 else np.full(count, 1 / count)
+    share = np.maximum(share, 1e-3 / count)
+    wanted = np.rint(np.concatenate([np.zeros(1), np.cumsum(share / share.sum())]) * _STEPS)
+    place = np.arange(count + 1)
+    rising = np.maximum.accumulate(wanted - place) + place
+    steps = np.minimum(rising, _STEPS - place[::-1])
+    return (steps / _STEPS).astype(np.float32)
 
 
 def _lower_environment(constant: Points, picture: Environment | None) -> tuple[Packed, float]:

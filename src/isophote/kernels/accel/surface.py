@@ -25,7 +25,8 @@ _PLACE_ERROR = np.float32(32 * 2.0**-24)
 
 # What belongs to triangles apart from their corners.
 # `items` (n, 8): first triangle of the item within its object, material, and the first rows of its lights, normals,
-# texture coordinates and faces below (−1: none), 1 where its transform mirrors, its number for the user.
+# texture coordinates and faces below (−1: none), 1 where its corners were placed by a transform that mirrors, its
+# number for the user.
 # `spans` (instances, 2): first item and number of items of each instance.
 # `slack` (instances,): rounding of places by the instance's transform.
 # `normals` (k, 3), `uvs` (k, 2) with `normal_corners`, `uv_corners` (t, 3), the rows of a triangle's three corners;
