@@ -23,6 +23,32 @@ def replacing(path: StrPath) -> Iterator[Path]:
     A symbolic link stays and its target is replaced. Raises `FileError` when the folder cannot be written
     and when `path` is something that is no plain file.
     """
+    target, temporary = _beside(path)
+    try:
+        yield temporary
+        replace(temporary, target)
+    except OSError as error:
+        raise FileError(path, f"cannot be written: {_reason(error)}") from error
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def check_writable(path: StrPath) -> None:
+    """Raise the `FileError` that writing to `path` would raise; a file that is there stays as it is."""
+    target, temporary = _beside(path)
+    try:
+        # A name may be too long for a file and still short enough for the temporary one.
+        target.lstat()
+    except FileNotFoundError:
+        pass
+    except OSError as error:
+        raise FileError(path, f"cannot be written: {_reason(error)}") from error
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def _beside(path: StrPath) -> tuple[Path, Path]:
+    """What `path` stands for, and an empty temporary file beside it."""
     try:
         target = Path(path).resolve()
         if target.exists() and not target.is_file():
@@ -32,13 +58,7 @@ def replacing(path: StrPath) -> Iterator[Path]:
         temporary.touch(exist_ok=False)
     except (OSError, ValueError, RuntimeError) as error:
         raise FileError(path, f"cannot be written: {_reason(error)}") from error
-    try:
-        yield temporary
-        replace(temporary, target)
-    except OSError as error:
-        raise FileError(path, f"cannot be written: {_reason(error)}") from error
-    finally:
-        temporary.unlink(missing_ok=True)
+    return target, temporary
 
 
 def write_bytes(path: StrPath, data: bytes) -> None:

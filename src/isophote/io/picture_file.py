@@ -12,13 +12,13 @@ from PIL import Image as Pillow
 
 from isophote.errors import FileError
 from isophote.io.exr import EXR_MAGIC, read_exr, write_exr
-from isophote.io.files import StrPath, replacing
+from isophote.io.files import StrPath, check_writable, replacing
 from isophote.io.png import display_bytes, write_png
 from isophote.io.source import read_source
 from isophote.io.srgb import from_srgb
 from isophote.io.texture_file import decode_picture
 
-__all__ = ["read_picture", "write_picture"]
+__all__ = ["check_picture_path", "read_picture", "write_picture"]
 
 Array: TypeAlias = npt.NDArray[Any]
 Channels: TypeAlias = Mapping[str, Array]
@@ -33,11 +33,25 @@ def write_picture(path: StrPath, channels: Channels, metadata: Mapping[str, str]
     .jpg, .jpeg, .webp, .tif, .tiff and .bmp the colour in 8-bit sRGB. Raises `FileError` for other endings and
     for files that cannot be written.
     """
+    _writer(path)(path, channels, metadata)
+
+
+def check_picture_path(path: StrPath) -> None:
+    """Raise the `FileError` now that `write_picture` would raise later: for the ending, the folder, the name.
+
+    Nothing is left behind, and a file that is there is not touched.
+    """
+    _writer(path)
+    check_writable(path)
+
+
+def _writer(path: StrPath) -> Callable[[StrPath, Channels, Mapping[str, str]], None]:
     ending = Path(path).suffix.lower()
     write = _WRITERS.get(ending)
     if write is None:
-        raise FileError(path, f'"{ending}" is no ending of a picture; use one of {", ".join(_WRITERS)}')
-    write(path, channels, metadata)
+        found = f'"{ending}" is no ending of a picture' if ending else "the name has no ending"
+        raise FileError(path, f"{found}; use one of {', '.join(_WRITERS)}")
+    return write
 
 
 def _write_png(path: StrPath, channels: Channels, metadata: Mapping[str, str]) -> None:

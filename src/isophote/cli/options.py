@@ -1,0 +1,32 @@
+"""What options are made of: choices and sizes, refused with exit status 2 where they are written wrongly."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable
+
+import typer
+
+__all__ = ["one_of", "picture_size"]
+
+_SIZE = re.compile(r"(\d{1,9})[x×X](\d{1,9})")
+
+
+def one_of(names: Iterable[str]) -> Callable[[str | None], str | None]:
+    """A callback for an option that takes one of the names, or is not given."""
+    known = tuple(names)
+
+    def check(value: str | None) -> str | None:
+        if value is not None and value not in known:
+            raise typer.BadParameter(f"{value!r} is not one of {', '.join(known)}")
+        return value
+
+    return check
+
+
+def picture_size(text: str) -> tuple[int, int]:
+    """(width, height) of "640x480"."""
+    found = _SIZE.fullmatch(text.strip())
+    if found is None:
+        raise typer.BadParameter(f"{text!r} is no size; write width and height in pixels, such as 640x480")
+    return int(found[1]), int(found[2])

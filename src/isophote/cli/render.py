@@ -1,0 +1,122 @@
+"""`isophote render`: a scene or a model into a picture."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from isophote.cli.messages import log, print_json
+from isophote.cli.methods import METHODS, new_method
+from isophote.cli.options import one_of, picture_size
+
+if TYPE_CHECKING:
+    from isophote.rendering.image import Image
+
+__all__ = ["EXAMPLES", "render"]
+
+EXAMPLES = """\b
+Examples:
+  isophote render examples/cornell_box.py -o cornell.png
+  isophote render bunny.obj -o bunny.png --size 800x800 --samples 256
+  isophote render truck.glb -o truck.exr --noise 0.02
+  isophote render room.py -o room.png --seconds 30 --max-depth 16 --seed 7
+
+\b
+A Python file defines the picture's `scene`, or a `shape`:
+  import isophote as iso
+  scene = iso.Scene([iso.Item(iso.load_mesh("bunny.obj"), iso.Matte("tomato"))])
+
+What has no camera or light gets one. .exr keeps all channels and full range; other endings keep 8-bit colours. Ctrl-C
+stops early and keeps the picture so far.
+"""
+
+_FILTERS = ("box", "tent", "gaussian")
+
+
+def render(
+    scene: Annotated[
+        Path,
+        typer.Argument(
+            metavar="SCENE", help="A Python file that defines `scene` or `shape`, a glTF, an OBJ or any mesh file."
+        ),
+    ],
+    output: Annotated[
+        Path, typer.Option("-o", "--output", metavar="FILE", help="The picture: .png, .exr, .jpg, .webp, .tif or .bmp.")
+    ],
+    method: Annotated[
+        str, typer.Option(metavar="|".join(METHODS), callback=one_of(METHODS), help="How to render.")
+    ] = "path",
+    samples: Annotated[int | None, typer.Option(metavar="N", help="Paths a pixel.  [default: 64]")] = None,
+    seconds: Annotated[float | None, typer.Option(metavar="S", help="Stop after this time.")] = None,
+    noise: Annotated[
+        float | None, typer.Option(metavar="X", help="Stop when the noise, in parts of the brightness, is below X.")
+    ] = None,
+    max_depth: Annotated[int | None, typer.Option(metavar="N", help="Rays a path at most.  [default: 8]")] = None,
+    filter_name: Annotated[
+        str | None,
+        typer.Option(
+            "--filter",
+            metavar="|".join(_FILTERS),
+            callback=one_of(_FILTERS),
+            help="Reconstruction filter.  [default: box]",
+        ),
+    ] = None,
+    size: Annotated[str, typer.Option(metavar="WxH", help="Width and height in pixels.")] = "640x480",
+    seed: Annotated[int, typer.Option(metavar="N", help="The same seed gives the same picture.")] = 0,
+    threads: Annotated[
+        int | None, typer.Option(metavar="N", help="Threads to render with.  [default: all processors]")
+    ] = None,
+    strict: Annotated[
+        bool, typer.Option("--strict", help="Fail where a texture or material is missing, instead of replacing it.")
+    ] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the result as JSON.")] = False,
+    backend: Annotated[
+        str, typer.Option(metavar="auto|cpu", callback=one_of(("auto", "cpu")), help="What to compute on.")
+    ] = "auto",
+) -> None:
+    """Render a scene or a model into a picture."""
+    del backend  # Every method runs on the processor, whichever of the two is asked for.
+    width, height = picture_size(size)
+    settings = {
+        "samples": samples,
+        "seconds": seconds,
+        "noise": noise,
+        "max_depth": max_depth,
+        "filter": filter_name,
+    }
+    from isophote.cli.progress import progress
+    from isophote.cli.subject import load_subject
+    from isophote.io.picture_file import check_picture_path
+    from isophote.rendering.method import checked_size
+    from isophote.rendering.pool import Pool
+    from isophote.rendering.render import render as render_image
+
+    # All that can be wrong without the scene is said before it is read.
+    check_picture_path(output)
+    chosen = new_method(method, settings)
+    pixels = checked_size((width, height))
+    Pool(threads)
+    target = output.resolve()
+    began = time.monotonic()
+    subject = load_subject(scene, strict=strict)
+    image = render_image(subject, chosen, size=pixels, seed=seed, progress=progress(), threads=threads)
+    image.save(target)
+    _report(output, image, time.monotonic() - began, as_json)
+
+
+def _report(output: Path, image: Image, seconds: float, as_json: bool) -> None:
+    width, height = image.size
+    details = dict(image.metadata)
+    if as_json:
+        rendering = float(details.pop("seconds")) if "seconds" in details else None
+        facts = {"output": str(output), "size": [width, height], "backend": "cpu", "total_seconds": round(seconds, 3)}
+        print_json({**facts, "rendering_seconds": rendering, **details, "stopped": details.get("stopped")})
+    else:
+        samples = f", {details['samples']} samples a pixel" if "samples" in details else ""
+        typer.echo(f"{output}: {width} × {height} pixels{samples}, {seconds:.1f} s")
+    if "stopped" in details:
+        log(f"{details['stopped']}; the picture so far is in {output}")
+        raise typer.Exit(1)
