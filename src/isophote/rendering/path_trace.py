@@ -28,11 +28,12 @@ _PATTERNS = {"independent": sampler.INDEPENDENT, "jittered": sampler.JITTERED, "
 _FILTERS = {"box": film_kernels.BOX, "tent": film_kernels.TENT, "gaussian": film_kernels.GAUSSIAN}
 _DEFAULT_SAMPLES = 64
 _MOST_SAMPLES = 2**20
-_FIRST_PASS = 4
+_FIRST_PASS = 16
 _LARGEST_PASS = 64
 _TILE = 32
-_WAVE = 1024
-_ROULETTE = 4
+# Paths that take each step together; not a power of two, or the rows of a wave would fall on the same lines of the cache.
+_WAVE = 1040
+_ROULETTE = 3
 _LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 

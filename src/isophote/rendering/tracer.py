@@ -31,7 +31,7 @@ class Hits:
 
     `distance` (n,) float32 in lengths of the direction, inf where nothing is met; `item` and `primitive` (n,) int32:
     numbers of the item in the scene and of the face in its mesh, -1 for none; `uv` (n, 2): weights of the second and
-    third corner of the triangle that was hit; `normal` (n, 3): unit geometric normal, outward; `point` (n, 3) float64.
+    third corner of the triangle that was hit; `normal` (n, 3): unit geometric normal, outward; `point` (n, 3) float64, NaN where nothing is met.
     """
 
     distance: Floats
@@ -84,8 +84,8 @@ class Tracer:
             normal=normal,
             blocked=np.zeros(0, np.uint8),
         )
-        with np.errstate(invalid="ignore"):
-            point = rays[0].astype(np.float64) + rays[1].astype(np.float64) * distance[:, None].astype(np.float64)
+        reach = np.where(item >= 0, distance, np.nan).astype(np.float64)
+        point = rays[0].astype(np.float64) + rays[1].astype(np.float64) * reach[:, None]
         return Hits(distance, item, primitive, uv, normal, point)
 
     def occluded(

@@ -39,8 +39,8 @@ def compile_others() -> None:
 
 def compile_path_tracer() -> None:
     """Compile the path tracer: a tile without pixels needs no tables."""
-    words = (_words(table) for table in (tables.SCENE, tables.PLAN, tables.FILM, wave.WAVE))
-    path.path_trace_tile(*words, 0, 0, 0, 0, 0, 0)
+    words = (_words(table) for table in (tables.SCENE, tables.PLAN, tables.FILM))
+    path.path_trace_tile(*words, wave.new_wave(1).words, 0, 0, 0, 0, 0, 0)
 
 
 def _words(table: Table) -> np.ndarray[tuple[int], np.dtype[np.int64]]:

@@ -205,7 +205,7 @@ def closest_packet(nodes, blocks, axis, scratch):
 
 @device
 def any_packet(nodes, blocks, axis, scratch):
-    """Which of the packet's rays meet anything before their limit: bit k for lane k; arguments as for closest_packet."""
+    """Which of the packet's rays meet anything before their limit: bit k for lane k; see closest_packet."""
     axes, shear, box = _prepare(scratch, axis)
     limit = _row(scratch, LIMIT)
     off = splat16(-_ONE)

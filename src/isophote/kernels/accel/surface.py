@@ -67,14 +67,12 @@ def _corner(blocks, at):
 @device
 def item_of(surfaces, instance, triangle):
     """The item that triangle number `triangle` of an instance's object belongs to."""
-    low = np.int64(surfaces.spans[instance, 0])
-    high = low + np.int64(surfaces.spans[instance, 1])
-    while high - low > 1:
-        middle = (low + high) >> 1
-        if surfaces.items[middle, FIRST_TRIANGLE] <= triangle:
-            low = middle
-        else:
-            high = middle
+    low, count = np.int64(surfaces.spans[instance, 0]), np.int64(surfaces.spans[instance, 1])
+    # Halving without a branch that could be guessed wrong.
+    while count > 1:
+        half = count >> 1
+        low += half if surfaces.items[low + half, FIRST_TRIANGLE] <= triangle else 0
+        count -= half
     return low
 
 

@@ -58,13 +58,13 @@ LIGHTS = Table(
 
 
 class LightSample(NamedTuple):
-    """Direction to the light (not of unit length: the light is at t = 1, or infinitely far at t = inf), what arrives
-    from there, density per steradian (0: the light is a single direction; negative: nothing arrives)."""
+    """Unit direction to the light and its distance (inf: infinitely far), what arrives from there, density per
+    steradian (0: the light is a single direction; negative: nothing arrives)."""
 
     x: float
     y: float
     z: float
-    t_max: float
+    distance: float
     red: float
     green: float
     blue: float
@@ -80,13 +80,12 @@ def _triple(values, k, column):
 def pick_light(lights, u):
     """(number, chance, u stretched again to [0, 1)) of the light that `u` falls on."""
     cdf = lights.cdf
-    low, high = 0, cdf.rows - 1
-    while high - low > 1:
-        middle = (low + high) >> 1
-        if cdf[middle] <= u:
-            low = middle
-        else:
-            high = middle
+    # Halving without a branch that could be guessed wrong.
+    low, count = 0, cdf.rows - 1
+    while count > 1:
+        half = count >> 1
+        low += half if cdf[low + half] <= u else 0
+        count -= half
     chance = cdf[low + 1] - cdf[low]
     return low, chance, (u - cdf[low]) / chance
 
@@ -97,9 +96,9 @@ def _nothing():
 
 
 @device
-def _arrives(to_light, t_max, radiance, density):
+def _arrives(direction, distance, radiance, density):
     return LightSample(
-        to_light.x, to_light.y, to_light.z, t_max, radiance.x, radiance.y, radiance.z, np.float32(density)
+        direction.x, direction.y, direction.z, distance, radiance.x, radiance.y, radiance.z, np.float32(density)
     )
 
 
@@ -108,14 +107,16 @@ def _sample_flat(values, k, point, place):
     """A place on a flat light, seen from `point`."""
     to_light = place - point
     distance2 = dot(to_light, to_light)
-    cosine = -dot(to_light, _triple(values, k, _NORMAL))
+    closeness = math.sqrt(_ONE / distance2)
+    direction = to_light * closeness
+    cosine = -dot(direction, _triple(values, k, _NORMAL))
     if values[k, _TWO_SIDED] != _ZERO:
         cosine = abs(cosine)
-    if cosine <= _ZERO or distance2 == _ZERO:
+    # From behind, from the light's own plane, or from the place itself.
+    if not (cosine > _ZERO and closeness < _FAR):
         return _nothing()
-    # cosine still holds one factor |to_light|
-    density = distance2 * math.sqrt(distance2) / (cosine * values[k, _AREA])
-    return _arrives(to_light, _ONE, _triple(values, k, _RADIANCE), density)
+    density = distance2 / (cosine * values[k, _AREA])
+    return _arrives(direction, distance2 * closeness, _triple(values, k, _RADIANCE), density)
 
 
 @device
@@ -145,7 +146,7 @@ def _sample_sphere(values, k, point, u, v):
     radius = values[k, _RADIUS]
     across2 = distance * distance * (local.x * local.x + local.y * local.y)
     reach = distance * local.z - math.sqrt(max(_ZERO, radius * radius - across2))
-    return _arrives(direction * reach, _ONE, _triple(values, k, _RADIANCE), _ONE / (_TWO * PI * height))
+    return _arrives(direction, reach, _triple(values, k, _RADIANCE), _ONE / (_TWO * PI * height))
 
 
 @device
@@ -167,7 +168,8 @@ def sample_light(lights, k, point, u, v):
         return _sample_sphere(values, k, point, u, v)
     if kind == POINT:
         to_light = _triple(values, k, _PLACE) - point
-        return _arrives(to_light, _ONE, _triple(values, k, _RADIANCE) / dot(to_light, to_light), _ZERO)
+        distance = length(to_light)
+        return _arrives(to_light / distance, distance, _triple(values, k, _RADIANCE) / (distance * distance), _ZERO)
     if kind == SUN:
         return _arrives(_triple(values, k, _NORMAL), _FAR, _triple(values, k, _RADIANCE), _ZERO)
     direction = sample_environment(lights.environment, u, v)
