@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from numba import njit
-from statistics_of_samples import deviation
 
 from isophote.kernels.base.vec import normalise, store_vec3, vec3
 from isophote.kernels.base.warp import to_cone, to_disk, to_sphere, to_triangle
 from isophote.kernels.light.bsdf import fresnel_dielectric, scatter_glass, scatter_matte
 from isophote.kernels.light.film import BOX, GAUSSIAN, TENT, filter_offset
+from statistics_of_samples import deviation
 
 COUNT = 200_000
 SQUARE = np.random.default_rng(7).integers(0, 2**24, (COUNT, 2)).astype(np.float32) / np.float32(2**24)
@@ -144,7 +144,7 @@ def test_matte_scatters_by_the_cosine_on_the_side_of_its_normal(normal):
     points, densities = np.zeros((COUNT, 3), np.float32), np.zeros(COUNT, np.float32)
     matte(SQUARE, np.array(normal, np.float32), points.reshape(-1), densities)
     n = np.array(normal) / np.linalg.norm(normal)
-    tangent = np.cross(n, np.roll(n, 1) + (0.1, 0.2, 0.3))
+    tangent = np.cross(n, np.roll(n, 1) + np.array((0.1, 0.2, 0.3)))
     tangent /= np.linalg.norm(tangent)
     local = points.astype(np.float64) @ np.stack([tangent, np.cross(n, tangent), n], 1)
     assert local[:, 2].min() > -1e-6
