@@ -19,9 +19,9 @@ from isophote.kernels.accel.geometry import Hit
 from isophote.kernels.accel.surface import MATERIAL, offset_point, surface_at, triangle_light
 from isophote.kernels.base.jit import device, kernel
 from isophote.kernels.base.sampler import draw_pairs
-from isophote.kernels.base.vec import dot, length, maximum_component, reflect, vec3
+from isophote.kernels.base.vec import dot, length, maximum_component, vec3
 from isophote.kernels.base.warp import INV_PI, to_disk
-from isophote.kernels.light.bsdf import BLACK, MATTE, MIRROR, scatter_glass, scatter_matte
+from isophote.kernels.light.bsdf import BLACK, MATTE, MIRROR, scatter_matte
 from isophote.kernels.light.emitter import (
     lamp_radiance,
     light_density,
@@ -33,7 +33,7 @@ from isophote.kernels.light.film import add_sample, filter_offset
 from isophote.kernels.trace import wave as rows
 from isophote.kernels.trace.batch import LAMP, trace_rays, trace_shadow_rays
 from isophote.kernels.trace.camera import camera_ray
-from isophote.kernels.trace.shading import surface_colour, surface_emission
+from isophote.kernels.trace.shading import mirror_ray, scatter_glass_ray, seen_normal, surface_colour, surface_emission
 from isophote.kernels.trace.tables import FILM, PLAN, SCENE
 from isophote.kernels.trace.wave import add_radiance, row_vec3, set_row_vec3
 
@@ -262,18 +262,19 @@ def _shade(tables, plan, wave, count, depth):
             continue
         colour = surface_colour(tables, surface)
         if kind == MATTE:
-            shading = surface.shading if dot(direction, surface.shading) < _ZERO else -surface.shading
+            shading = seen_normal(surface, direction)
+            shading = shading if dot(direction, shading) < _ZERO else -shading
             shadows += _aim(tables, wave, i, shadows, surface, shading, -direction, colour, carried)
             x, y = to_disk(floats[rows.SCATTER_U, i], floats[rows.SCATTER_V, i])
             into, density = scatter_matte(shading, x, y)
             if dot(into, surface.normal) * dot(direction, surface.normal) < _ZERO:
                 alive += _go_on(plan, wave, depth, i, alive, surface, into, carried * colour, density)
         elif kind == MIRROR:
-            into = reflect(direction, surface.shading)
+            into = mirror_ray(surface, direction)
             alive += _go_on(plan, wave, depth, i, alive, surface, into, carried * colour, _ZERO)
         else:
             ior = tables.materials.values[material, 6]
-            into, factor = scatter_glass(-direction, surface.shading, ior, floats[rows.SCATTER_U, i])
+            into, factor = scatter_glass_ray(surface, direction, ior, floats[rows.SCATTER_U, i])
             alive += _go_on(plan, wave, depth, i, alive, surface, into, carried * colour * factor, _ZERO)
     return alive, shadows
 
