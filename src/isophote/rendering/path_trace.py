@@ -31,7 +31,7 @@ _MOST_SAMPLES = 2**20
 _FIRST_PASS = 16
 _LARGEST_PASS = 64
 _TILE = 32
-# Paths that take each step together; not a power of two, or the rows of a wave would fall on the same lines of the cache.
+# Paths that take each step together; not a power of two, or the rows of a wave would fall on the same cache lines.
 _WAVE = 1040
 _ROULETTE = 3
 _LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
@@ -66,9 +66,9 @@ class PathTrace:
 
     `samples` paths a pixel (64, or as many as it takes where `seconds` or `noise` is given), of at most `max_depth`
     rays each: 1 shows what shines, 2 adds direct light, and so on. `filter` is "box", "tent" or "gaussian"; `pattern`
-    is "sobol" (Owen-scrambled), "jittered" or "independent". Rendering stops after `seconds`, or when the standard error
-    of the pixels, in parts of the picture's mean, is below `noise`. Without these limits the same seed gives the same
-    bits on every machine of one kind, whatever the threads and tiles.
+    is "sobol" (Owen-scrambled), "jittered" or "independent". Rendering stops after `seconds`, or when the standard
+    error of the pixels, in parts of the picture's mean, is below `noise`. Without these limits the same seed gives the
+    same bits on every machine of one kind, whatever the threads and tiles.
     """
 
     samples: int | None = attrs.field(default=None, validator=attrs.validators.optional(_whole(1, _MOST_SAMPLES)))

@@ -9,9 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from isophote.errors import RenderError
-from isophote.kernels.accel.geometry import SCRATCH_WORDS
-from isophote.kernels.base.table import Packed
 from isophote.kernels.trace.rays import QUERY, closest_rays, occluded_rays
+from isophote.kernels.trace.wave import new_wave
 from isophote.lower.scene import lower_scene
 from isophote.rendering.pool import Pool
 from isophote.scene.camera import Camera
@@ -23,6 +22,7 @@ Floats: TypeAlias = npt.NDArray[np.float32]
 Ints: TypeAlias = npt.NDArray[np.int32]
 
 _RAYS_A_JOB = 16_384
+_WAVE = 272
 
 
 @attrs.frozen(eq=False)
@@ -63,11 +63,19 @@ class Tracer:
         # The tables need some camera; rays do not.
         self._scene = lower_scene(Scene(scene.items, camera=Camera((0, 0, 1), (0, 0, 0))), (1, 1), threads)
 
-    def closest(self, origins: npt.ArrayLike, directions: npt.ArrayLike, max_distance: npt.ArrayLike = np.inf) -> Hits:
+    def closest(
+        self,
+        origins: npt.ArrayLike,
+        directions: npt.ArrayLike,
+        max_distance: npt.ArrayLike = np.inf,
+        *,
+        coherent: bool = False,
+    ) -> Hits:
         """The first hit of each ray at 0 < distance < `max_distance`.
 
-        `origins` and `directions` (n, 3), or one row for all; directions may have any length but 0. Raises
-        `RenderError` for other shapes, NaN, infinite or zero directions.
+        `origins` and `directions` (n, 3), or one row for all; directions may have any length but 0. `coherent` tells that
+        neighbours in the arrays go much the same way, as a camera's rays do; they are then traced sixteen at a time.
+        Raises `RenderError` for other shapes, NaN, infinite or zero directions.
         """
         rays = _rays(origins, directions, max_distance)
         count = len(rays[0])
@@ -77,6 +85,7 @@ class Tracer:
         self._run(
             closest_rays,
             rays,
+            coherent,
             distance=distance,
             item=item,
             primitive=primitive,
@@ -89,7 +98,12 @@ class Tracer:
         return Hits(distance, item, primitive, uv, normal, point)
 
     def occluded(
-        self, origins: npt.ArrayLike, directions: npt.ArrayLike, max_distance: npt.ArrayLike = np.inf
+        self,
+        origins: npt.ArrayLike,
+        directions: npt.ArrayLike,
+        max_distance: npt.ArrayLike = np.inf,
+        *,
+        coherent: bool = False,
     ) -> npt.NDArray[np.bool_]:
         """(n,): whether each ray meets anything at 0 < distance < `max_distance`; arguments as for `closest`."""
         rays = _rays(origins, directions, max_distance)
@@ -98,6 +112,7 @@ class Tracer:
         self._run(
             occluded_rays,
             rays,
+            coherent,
             distance=np.zeros(0, np.float32),
             item=none,
             primitive=none,
@@ -107,22 +122,17 @@ class Tracer:
         )
         return blocked.astype(bool)
 
-    def _run(self, kernel: object, rays: tuple[Floats, Floats, Floats], **found: npt.NDArray[np.generic]) -> None:
+    def _run(
+        self, kernel: object, rays: tuple[Floats, Floats, Floats], coherent: bool, **found: npt.NDArray[np.generic]
+    ) -> None:
         origins, directions, limit = rays
         count = len(origins)
-        queries: list[Packed] = [
-            QUERY.pack(
-                origins=origins,
-                directions=directions,
-                limit=limit,
-                scratch=np.zeros(SCRATCH_WORDS, np.float32),
-                **found,
-            )
-            for _ in range(self._pool.threads)
-        ]
+        query = QUERY.pack(origins=origins, directions=directions, limit=limit, **found)
+        waves = [new_wave(_WAVE) for _ in range(self._pool.threads)]
 
         def work(first: int, thread: int) -> None:
-            kernel(self._scene.words, queries[thread].words, first, min(first + _RAYS_A_JOB, count))  # type: ignore[operator]
+            last = min(first + _RAYS_A_JOB, count)
+            kernel(self._scene.words, query.words, waves[thread].words, first, last, coherent)  # type: ignore[operator]
 
         self._pool.run(work, range(0, count, _RAYS_A_JOB), lambda done: None)
 

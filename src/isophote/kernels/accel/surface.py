@@ -13,7 +13,17 @@ from isophote.kernels.base.simd import load_float, load_int
 from isophote.kernels.base.table import FLOAT_ROWS, FLOATS, INT_ROWS, INTS, Table
 from isophote.kernels.base.vec import cross, dot, maximum_component, normalise, vec3
 
-__all__ = ["SURFACES", "Surface", "face_number", "item_of", "offset_point", "surface_at", "triangle_light"]
+__all__ = [
+    "SURFACES",
+    "Surface",
+    "face_number",
+    "item_of",
+    "offset_point",
+    "surface_at",
+    "triangle_light",
+    "triangle_number",
+    "true_normal",
+]
 
 # Columns of `Surfaces.items`.
 FIRST_TRIANGLE, MATERIAL, LIGHTS, NORMALS, UVS, FACES, FLIPPED, PUBLIC = 0, 1, 2, 3, 4, 5, 6, 7
@@ -125,6 +135,31 @@ def _shading_normal(geometry, surfaces, instance, at, w0, w1, w2, normal):
 
 
 @device
+def _oriented_normal(geometry, surfaces, instance, item, a, b, c):
+    """Unit normal of the triangle a, b, c of an instance's object in the world, outward."""
+    normal = cross(b - a, c - a)
+    if geometry.identity[instance] == 0:
+        normal = _normal_to_world(geometry, instance, normal)
+    normal = normalise(normal)
+    return -normal if surfaces.items[item, FLIPPED] != 0 else normal
+
+
+@device
+def true_normal(geometry, surfaces, hit, item):
+    """Unit geometric normal of a `Hit`, outward."""
+    blocks = geometry.blocks
+    at = hit.slot // LANES * BLOCK + hit.slot % LANES
+    a, b, c = _corner(blocks, at), _corner(blocks, at + 3 * LANES), _corner(blocks, at + 6 * LANES)
+    return _oriented_normal(geometry, surfaces, hit.instance, item, a, b, c)
+
+
+@device
+def triangle_number(geometry, slot):
+    """Number of a hit's triangle within its object."""
+    return np.int64(load_int(geometry.blocks, slot // LANES * BLOCK + slot % LANES + NUMBER))
+
+
+@device
 def surface_at(geometry, surfaces, hit):
     """The `Surface` of a `Hit`."""
     blocks, instance = geometry.blocks, hit.instance
@@ -135,16 +170,12 @@ def surface_at(geometry, surfaces, hit):
     w1, w2 = hit.weight1, hit.weight2
     w0 = _ONE - w1 - w2
     place = w0 * a + w1 * b + w2 * c
-    normal = cross(b - a, c - a)
     reach = max(_reach(a), max(_reach(b), _reach(c)))
     if geometry.identity[instance] == 0:
         place = to_world_point(geometry, instance, place)
-        normal = _normal_to_world(geometry, instance, normal)
     item = item_of(surfaces, instance, number)
     triangle = number - surfaces.items[item, FIRST_TRIANGLE]
-    normal = normalise(normal)
-    if surfaces.items[item, FLIPPED] != 0:
-        normal = -normal
+    normal = _oriented_normal(geometry, surfaces, instance, item, a, b, c)
     shading = normal
     first = surfaces.items[item, NORMALS]
     if first >= 0:

@@ -13,14 +13,12 @@ from isophote.kernels.light.emitter import closest_lamp, lamp_blocks
 from isophote.kernels.trace import wave as rows
 from isophote.kernels.trace.wave import add_radiance, row_vec3
 
-__all__ = ["LAMP", "trace_rays", "trace_shadow_rays"]
+__all__ = ["LAMP", "blocked_rays", "trace_rays", "trace_shadow_rays", "trace_triangles"]
 
 # Slot of a hit that is a disk or sphere light, whose number stands in the place of the instance.
 LAMP = np.int64(-2)
 
 _ONE = np.float32(1)
-_FAR = np.float32(np.inf)
-_NOWHERE = np.int64(-1)
 
 # Scenes of so few leaf blocks are traced in packets even where rays go every way.
 _FEW_BLOCKS = 24
@@ -58,7 +56,7 @@ def _sort_by_axis(wave, direction_row, count):
 
 
 @device
-def _load_packet(wave, first, last, origin_row):
+def _load_packet(wave, first, last, origin_row, limit_row):
     """Copy rays order[first] … order[last − 1] into the packet's scratch, with direction rows after the origins'; lanes
     that are left over repeat the last ray, switched off."""
     floats, order, scratch = wave.floats, wave.longs[rows.ORDER], wave.scratch
@@ -66,7 +64,7 @@ def _load_packet(wave, first, last, origin_row):
         i = order[min(first + lane, last - 1)]
         for k in range(6):
             store_float(scratch, (ORIGINS + k) * PACKET + lane, floats[origin_row + k, i])
-        store_float(scratch, LIMIT * PACKET + lane, _FAR if first + lane < last else -_ONE)
+        store_float(scratch, LIMIT * PACKET + lane, floats[limit_row, i] if first + lane < last else -_ONE)
 
 
 @device
@@ -89,7 +87,7 @@ def _closest_in_packets(geometry, wave, count):
         end = start + (count0 if axis == 0 else (count1 if axis == 1 else count - count0 - count1))
         for first in range(start, end, PACKET):
             last = min(first + PACKET, end)
-            _load_packet(wave, first, last, rows.ORIGIN)
+            _load_packet(wave, first, last, rows.ORIGIN, rows.HIT_T)
             closest_packet(geometry.nodes, geometry.blocks, axis, wave.scratch)
             _store_hits(wave, first, last)
         start = end
@@ -100,19 +98,25 @@ def _closest_one_by_one(geometry, wave, count):
     floats, longs = wave.floats, wave.longs
     for i in range(count):
         origin, direction = row_vec3(floats, rows.ORIGIN, i), row_vec3(floats, rows.DIRECTION, i)
-        hit = closest_hit(geometry, origin, direction, _FAR, wave.scratch)
+        hit = closest_hit(geometry, origin, direction, floats[rows.HIT_T, i], wave.scratch)
         floats[rows.HIT_T, i] = hit.t
         floats[rows.HIT_W1, i], floats[rows.HIT_W2, i] = hit.weight1, hit.weight2
         longs[rows.HIT_SLOT, i], longs[rows.HIT_INSTANCE, i] = hit.slot, hit.instance
 
 
 @device
+def trace_triangles(geometry, wave, count, coherent):
+    """First triangle of every ray of the wave before the limit in its row HIT_T."""
+    if _in_packets(geometry, coherent):
+        _closest_in_packets(geometry, wave, count)
+    else:
+        _closest_one_by_one(geometry, wave, count)
+
+
+@device
 def trace_rays(scene, wave, count, coherent):
     """First hit of every path's ray, lamps included."""
-    if _in_packets(scene.geometry, coherent):
-        _closest_in_packets(scene.geometry, wave, count)
-    else:
-        _closest_one_by_one(scene.geometry, wave, count)
+    trace_triangles(scene.geometry, wave, count, coherent)
     if scene.lights.lamps.rows == 0:
         return
     floats, longs = wave.floats, wave.longs
@@ -136,32 +140,37 @@ def _light_arrives(scene, wave, i):
 
 
 @device
-def _shadows_in_packets(scene, wave, count):
+def _blocked_in_packets(geometry, wave, count):
     count0, count1 = _sort_by_axis(wave, rows.SHADOW_DIRECTION, count)
-    floats, order, scratch = wave.floats, wave.longs[rows.ORDER], wave.scratch
+    order, scratch = wave.longs[rows.ORDER], wave.scratch
     start = np.int64(0)
     for axis in range(3):
         end = start + (count0 if axis == 0 else (count1 if axis == 1 else count - count0 - count1))
         for first in range(start, end, PACKET):
             last = min(first + PACKET, end)
-            _load_packet(wave, first, last, rows.SHADOW_ORIGIN)
+            _load_packet(wave, first, last, rows.SHADOW_ORIGIN, rows.SHADOW_END)
+            blocked = any_packet(geometry.nodes, geometry.blocks, axis, scratch)
             for lane in range(last - first):
-                store_float(scratch, LIMIT * PACKET + lane, floats[rows.SHADOW_END, order[first + lane]])
-            blocked = any_packet(scene.geometry.nodes, scene.geometry.blocks, axis, scratch)
-            for lane in range(last - first):
-                if (blocked >> lane) & 1 == 0:
-                    _light_arrives(scene, wave, order[first + lane])
+                wave.ints[rows.BLOCKED, order[first + lane]] = (blocked >> lane) & 1
         start = end
+
+
+@device
+def blocked_rays(geometry, wave, count, coherent):
+    """Whether each shadow ray of the wave meets a triangle before its end, 0 or 1 in its row BLOCKED."""
+    if _in_packets(geometry, coherent):
+        _blocked_in_packets(geometry, wave, count)
+        return
+    floats = wave.floats
+    for i in range(count):
+        origin, direction = row_vec3(floats, rows.SHADOW_ORIGIN, i), row_vec3(floats, rows.SHADOW_DIRECTION, i)
+        wave.ints[rows.BLOCKED, i] = occluded(geometry, origin, direction, floats[rows.SHADOW_END, i], wave.scratch)
 
 
 @device
 def trace_shadow_rays(scene, wave, count, coherent):
     """Add the light of every shadow ray that nothing blocks."""
-    if _in_packets(scene.geometry, coherent):
-        _shadows_in_packets(scene, wave, count)
-        return
-    floats = wave.floats
+    blocked_rays(scene.geometry, wave, count, coherent)
     for i in range(count):
-        origin, direction = row_vec3(floats, rows.SHADOW_ORIGIN, i), row_vec3(floats, rows.SHADOW_DIRECTION, i)
-        if not occluded(scene.geometry, origin, direction, floats[rows.SHADOW_END, i], wave.scratch):
+        if wave.ints[rows.BLOCKED, i] == 0:
             _light_arrives(scene, wave, i)

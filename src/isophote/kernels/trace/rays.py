@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
-from isophote.kernels.accel.geometry import closest_hit, occluded
-from isophote.kernels.accel.surface import PUBLIC, face_number, surface_at
+from isophote.kernels.accel.geometry import Hit
+from isophote.kernels.accel.surface import (
+    FIRST_TRIANGLE,
+    PUBLIC,
+    face_number,
+    item_of,
+    triangle_number,
+    true_normal,
+)
 from isophote.kernels.base.jit import device, kernel
 from isophote.kernels.base.table import BYTES, FLOAT_ROWS, FLOATS, INTS, Table
-from isophote.kernels.base.vec import vec3
+from isophote.kernels.trace import wave as rows
+from isophote.kernels.trace.batch import blocked_rays, trace_triangles
 from isophote.kernels.trace.tables import SCENE
 
 __all__ = ["QUERY", "closest_rays", "occluded_rays"]
@@ -23,46 +31,62 @@ QUERY = Table(
     item=INTS,
     primitive=INTS,
     blocked=BYTES,
-    scratch=FLOATS,
 )
 
-open_scene, open_query = SCENE.open, QUERY.open
+open_scene, open_query, open_wave = SCENE.open, QUERY.open, rows.WAVE.open
 
 
 @device
-def _row(rows, i):
-    return vec3(rows[i, 0], rows[i, 1], rows[i, 2])
+def _load(query, wave, first, count, origin_row, limit_row):
+    floats = wave.floats
+    for i in range(count):
+        for k in range(3):
+            floats[origin_row + k, i] = query.origins[first + i, k]
+            floats[origin_row + 3 + k, i] = query.directions[first + i, k]
+        floats[limit_row, i] = query.limit[first + i]
 
 
 @device
 def _write(scene, query, i, hit):
-    surface = surface_at(scene.geometry, scene.surfaces, hit)
+    number = triangle_number(scene.geometry, hit.slot)
+    item = item_of(scene.surfaces, hit.instance, number)
+    normal = true_normal(scene.geometry, scene.surfaces, hit, item)
     query.distance[i] = hit.t
     query.uv[i, 0] = hit.weight1
     query.uv[i, 1] = hit.weight2
-    query.normal[i, 0] = surface.normal.x
-    query.normal[i, 1] = surface.normal.y
-    query.normal[i, 2] = surface.normal.z
-    query.item[i] = scene.surfaces.items[surface.item, PUBLIC]
-    query.primitive[i] = face_number(scene.surfaces, surface.item, surface.triangle)
+    query.normal[i, 0] = normal.x
+    query.normal[i, 1] = normal.y
+    query.normal[i, 2] = normal.z
+    query.item[i] = scene.surfaces.items[item, PUBLIC]
+    triangle = number - scene.surfaces.items[item, FIRST_TRIANGLE]
+    query.primitive[i] = face_number(scene.surfaces, item, triangle)
 
 
 @kernel
-def closest_rays(scene_words, query_words, first, last):
+def closest_rays(scene_words, query_words, wave_words, first, last, coherent):
     """The first hit of rays first ≤ i < last; rows of rays that meet nothing keep what they hold."""
-    scene, query = open_scene(scene_words), open_query(query_words)
-    for i in range(first, last):
-        hit = closest_hit(
-            scene.geometry, _row(query.origins, i), _row(query.directions, i), query.limit[i], query.scratch
-        )
-        if hit.slot >= 0:
-            _write(scene, query, i, hit)
+    scene, query, wave = open_scene(scene_words), open_query(query_words), open_wave(wave_words)
+    floats, longs = wave.floats, wave.longs
+    size = floats.columns
+    for start in range(first, last, size):
+        count = min(size, last - start)
+        _load(query, wave, start, count, rows.ORIGIN, rows.HIT_T)
+        trace_triangles(scene.geometry, wave, count, coherent)
+        for i in range(count):
+            slot = longs[rows.HIT_SLOT, i]
+            if slot >= 0:
+                w1, w2 = floats[rows.HIT_W1, i], floats[rows.HIT_W2, i]
+                _write(scene, query, start + i, Hit(floats[rows.HIT_T, i], w1, w2, slot, longs[rows.HIT_INSTANCE, i]))
 
 
 @kernel
-def occluded_rays(scene_words, query_words, first, last):
+def occluded_rays(scene_words, query_words, wave_words, first, last, coherent):
     """Whether rays first ≤ i < last meet anything before their limit."""
-    scene, query = open_scene(scene_words), open_query(query_words)
-    for i in range(first, last):
-        origin, direction = _row(query.origins, i), _row(query.directions, i)
-        query.blocked[i] = occluded(scene.geometry, origin, direction, query.limit[i], query.scratch)
+    scene, query, wave = open_scene(scene_words), open_query(query_words), open_wave(wave_words)
+    size = wave.floats.columns
+    for start in range(first, last, size):
+        count = min(size, last - start)
+        _load(query, wave, start, count, rows.SHADOW_ORIGIN, rows.SHADOW_END)
+        blocked_rays(scene.geometry, wave, count, coherent)
+        for i in range(count):
+            query.blocked[start + i] = wave.ints[rows.BLOCKED, i]

@@ -26,15 +26,17 @@ __all__ = [
 # Float rows of three: ray origin, ray direction, what the path carries (β), radiance gathered by the path in the same
 # column of the wave's start, shadow ray's origin and direction, and what its light would add.
 ORIGIN, DIRECTION, CARRIED, RADIANCE, SHADOW_ORIGIN, SHADOW_DIRECTION, SHADOW_LIGHT = 0, 3, 6, 9, 12, 15, 18
-# Single rows: density of the last scattering (0: none, or a single direction), shadow ray's end, hit, sample numbers
+# Single rows: density of the last scattering (0: none, or a single direction), shadow ray's end, hit (its t is the
+# limit of the search before it), sample numbers
 # for the film and lens, or for picking a light and ending the path, for a place on the light, and for scattering.
 DENSITY, SHADOW_END, HIT_T, HIT_W1, HIT_W2 = 21, 22, 23, 24, 25
 PICK_U, PICK_V, LIGHT_U, LIGHT_V, SCATTER_U, SCATTER_V = 26, 27, 28, 29, 30, 31
 FLOAT_COUNT = 32
 
-# Unsigned rows: pixel, sample, column of the path at the wave's start, the same for its shadow ray.
-PIXEL, SAMPLE, OWNER, SHADOW_OWNER = 0, 1, 2, 3
-INT_COUNT = 4
+# Unsigned rows: pixel, sample, column of the path at the wave's start, the same for its shadow ray, and whether that
+# is blocked.
+PIXEL, SAMPLE, OWNER, SHADOW_OWNER, BLOCKED = 0, 1, 2, 3, 4
+INT_COUNT = 5
 
 # Long rows: slot and instance of the hit, order in which packets take rays.
 HIT_SLOT, HIT_INSTANCE, ORDER = 0, 1, 2
