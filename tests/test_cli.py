@@ -112,12 +112,16 @@ def test_scene_goes_before_shape(tmp_path: Path) -> None:
     assert facts("info", path)["items"] == 1
 
 
-def test_an_interrupt_keeps_the_picture_so_far(tmp_path: Path, scene: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+# Once while the pool runs, and again and again, so that one comes between two runs.
+@pytest.mark.parametrize("times", [1, 1000])
+def test_an_interrupt_keeps_the_picture_so_far(
+    tmp_path: Path, scene: Path, monkeypatch: pytest.MonkeyPatch, times: int
+) -> None:
     raised = []
 
     def interrupted() -> Callable[[str, float], None]:
         def tell(stage: str, fraction: float) -> None:
-            if stage == "path tracing" and fraction > 0 and not raised:
+            if stage == "path tracing" and 0 < fraction < 1 and len(raised) < times:
                 raised.append(fraction)
                 raise KeyboardInterrupt
 

@@ -127,14 +127,18 @@ class PathTrace:
         waves = [new_wave(_WAVE) for _ in range(pool.threads)]
         tiles = tiles_of(job.size, _TILE)
         progress = _Progress(self, job, len(tiles))
-        for span in _passes(self.planned_samples):
+        try:
+            for span in _passes(self.planned_samples):
 
-            def work(tile: Tile, thread: int, span: _Span = span) -> None:
-                path_trace_tile(scene.words, plan.words, film.words, waves[thread].words, *tile, *span)
+                def work(tile: Tile, thread: int, span: _Span = span) -> None:
+                    path_trace_tile(scene.words, plan.words, film.words, waves[thread].words, *tile, *span)
 
-            pool.run(work, tiles, lambda done, span=span: progress.show(span, done))  # type: ignore[misc]
-            if pool.stopped or (self.noise is not None and _noise(film) <= self.noise):
-                break
+                pool.run(work, tiles, lambda done, span=span: progress.show(span, done))  # type: ignore[misc]
+                if pool.stopped or (self.noise is not None and _noise(film) <= self.noise):
+                    break
+        except KeyboardInterrupt:
+            # The pool catches those that come while it runs; this one came between two passes.
+            pool.stop()
         job.report("path tracing", 1.0)
         return film
 
