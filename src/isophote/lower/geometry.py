@@ -27,7 +27,7 @@ Matrix: TypeAlias = npt.NDArray[np.float64]
 # A mesh used several times is still copied into the world's one tree if the copies stay below this many triangles: an
 # instance costs every ray that comes near its box.
 _BAKED_TRIANGLES = 65_536
-_ROUNDING = 64 * 2.0**-24
+_ROUNDING = 32 * 2.0**-24
 _IDENTITY = np.eye(4)
 
 
@@ -247,8 +247,12 @@ def _placed_box(box: Matrix, matrix: Matrix, identity: bool) -> tuple[Matrix, fl
     corners = np.array([[box[i, 0], box[j, 1], box[k, 2], 1.0] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
     placed = corners @ matrix[:3].T
     local = float(np.abs(box).max())
-    stretch = float(np.abs(matrix[:3, :3]).sum(axis=1).max())
-    slack = _ROUNDING * (stretch * local + float(np.abs(matrix[:3, 3]).max()) + float(np.abs(placed).max()))
+    there, back = np.abs(matrix[:3]), np.abs(np.linalg.inv(matrix)[:3])
+    stretch = float(there[:, :3].sum(axis=1).max())
+    far = np.abs(placed).max(axis=0)
+    # Rays come back to the object with rounding of their own, which the transform then stretches.
+    returned = float((there[:, :3] @ (back[:, :3] @ far + back[:, 3])).max())
+    slack = _ROUNDING * (stretch * local + float(there[:, 3].max()) + float(far.max()) + returned)
     return np.stack([placed.min(axis=0) - slack, placed.max(axis=0) + slack]), slack
 
 

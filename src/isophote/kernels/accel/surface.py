@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from isophote.kernels.accel.geometry import to_world_point
+from isophote.kernels.accel.geometry import to_world_point, to_world_vector
 from isophote.kernels.accel.layout import BLOCK, LANES, NUMBER
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.simd import load_float, load_int
@@ -31,6 +31,9 @@ FIRST_TRIANGLE, MATERIAL, LIGHTS, NORMALS, UVS, FACES, FLIPPED, PUBLIC = 0, 1, 2
 _ZERO, _ONE = np.float32(0), np.float32(1)
 # Rounding of a hit's place in units of 2^-24 times the largest coordinate of its triangle, with room to spare.
 _PLACE_ERROR = np.float32(32 * 2.0**-24)
+# How many of its errors a place is pulled in from the rim of its triangle, and the most in parts of the triangle.
+_PULL, _MOST_PULL = np.float32(4), np.float32(1 / 16)
+_THIRD = np.float32(1 / 3)
 
 
 # What belongs to triangles apart from their corners.
@@ -38,7 +41,7 @@ _PLACE_ERROR = np.float32(32 * 2.0**-24)
 # texture coordinates and faces below (−1: none), 1 where its corners were placed by a transform that mirrors, its
 # number for the user.
 # `spans` (instances, 2): first item and number of items of each instance.
-# `slack` (instances,): rounding of places by the instance's transform.
+# `slack` (instances,): rounding of places on instances that are not in the world's place, in the world's units.
 # `normals` (k, 3), `uvs` (k, 2) with `normal_corners`, `uv_corners` (t, 3), the rows of a triangle's three corners;
 # `faces` (t,): face of each triangle; `triangle_lights` (t,): light of each triangle, or −1.
 SURFACES = Table(
@@ -169,9 +172,14 @@ def surface_at(geometry, surfaces, hit):
     number = np.int64(load_int(blocks, at + NUMBER))
     w1, w2 = hit.weight1, hit.weight2
     w0 = _ONE - w1 - w2
-    place = w0 * a + w1 * b + w2 * c
-    reach = max(_reach(a), max(_reach(b), _reach(c)))
-    if geometry.identity[instance] == 0:
+    edge1, edge2 = b - a, c - a
+    if geometry.identity[instance] != 0:
+        error = max(_reach(a), max(_reach(b), _reach(c))) * _PLACE_ERROR
+        place = _pulled_in(a, b, c, w0, w1, w2, error / max(_reach(edge1), _reach(edge2)))
+    else:
+        error = surfaces.slack[instance]
+        edge1, edge2 = to_world_vector(geometry, instance, edge1), to_world_vector(geometry, instance, edge2)
+        place = _pulled_in(a, b, c, w0, w1, w2, error / max(_reach(edge1), _reach(edge2)))
         place = to_world_point(geometry, instance, place)
     item = item_of(surfaces, instance, number)
     triangle = number - surfaces.items[item, FIRST_TRIANGLE]
@@ -191,8 +199,16 @@ def surface_at(geometry, surfaces, hit):
         uvs = surfaces.uvs
         u = uvs[p, 0] * w0 + uvs[q, 0] * w1 + uvs[r, 0] * w2
         v = uvs[p, 1] * w0 + uvs[q, 1] * w1 + uvs[r, 1] * w2
-    error = reach * _PLACE_ERROR + surfaces.slack[instance]
     return Surface(place, normal, shading, error, u, v, item, triangle)
+
+
+@device
+def _pulled_in(a, b, c, w0, w1, w2, error):
+    """The place with these weights, moved toward the triangle's middle by a few times its error (here in parts of the
+    triangle): at an edge, rounding could put it behind the next triangle."""
+    pull = min(error * _PULL, _MOST_PULL)
+    w0, w1, w2 = w0 + (_THIRD - w0) * pull, w1 + (_THIRD - w1) * pull, w2 + (_THIRD - w2) * pull
+    return w0 * a + w1 * b + w2 * c
 
 
 @device
