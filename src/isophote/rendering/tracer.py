@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from isophote.errors import RenderError
-from isophote.kernels.trace.rays import QUERY, closest_rays, occluded_rays
+from isophote.kernels.trace.rays import QUERY, closest_rays, first_bad_ray, occluded_rays
 from isophote.kernels.trace.wave import new_wave
 from isophote.lower.scene import lower_scene
 from isophote.rendering.pool import Pool
@@ -21,6 +21,12 @@ __all__ = ["Hits", "Tracer"]
 Floats: TypeAlias = npt.NDArray[np.float32]
 Ints: TypeAlias = npt.NDArray[np.int32]
 
+_WRONG = {
+    1: "origins must be finite in single precision, but number {number} is not",
+    2: "directions must be finite in single precision, but number {number} is not",
+    3: "directions must not be zero, but number {number} is",
+    4: "max_distance must not be NaN, but number {number} is",
+}
 _RAYS_A_JOB = 16_384
 _WAVE = 272
 
@@ -31,7 +37,7 @@ class Hits:
 
     `distance` (n,) float32 in lengths of the direction, inf where nothing is met; `item` and `primitive` (n,) int32:
     numbers of the item in the scene and of the face in its mesh, -1 for none; `uv` (n, 2): weights of the second and
-    third corner of the triangle that was hit; `normal` (n, 3): unit geometric normal, outward; `point` (n, 3) float64, NaN where nothing is met.
+    third corner of the triangle that was hit; `normal` (n, 3): unit geometric normal, outward.
     """
 
     distance: Floats
@@ -39,7 +45,15 @@ class Hits:
     primitive: Ints
     uv: Floats
     normal: Floats
-    point: npt.NDArray[np.float64]
+    _origins: Floats = attrs.field(repr=False)
+    _directions: Floats = attrs.field(repr=False)
+
+    @property
+    def point(self) -> npt.NDArray[np.float64]:
+        """(n, 3): where the rays meet something, NaN where they do not."""
+        reach = np.where(self.hit, self.distance, np.nan).astype(np.float64)
+        points: npt.NDArray[np.float64] = self._origins.astype(np.float64) + self._directions * reach[:, None]
+        return points
 
     @property
     def hit(self) -> npt.NDArray[np.bool_]:
@@ -73,8 +87,8 @@ class Tracer:
     ) -> Hits:
         """The first hit of each ray at 0 < distance < `max_distance`.
 
-        `origins` and `directions` (n, 3), or one row for all; directions may have any length but 0. `coherent` tells that
-        neighbours in the arrays go much the same way, as a camera's rays do; they are then traced sixteen at a time.
+        `origins` and `directions` (n, 3), or one row for all; directions may have any length but 0. `coherent` tells
+        that neighbours in the arrays go much the same way, as a camera's rays do: sixteen are then traced together.
         Raises `RenderError` for other shapes, NaN, infinite or zero directions.
         """
         rays = _rays(origins, directions, max_distance)
@@ -93,9 +107,7 @@ class Tracer:
             normal=normal,
             blocked=np.zeros(0, np.uint8),
         )
-        reach = np.where(item >= 0, distance, np.nan).astype(np.float64)
-        point = rays[0].astype(np.float64) + rays[1].astype(np.float64) * reach[:, None]
-        return Hits(distance, item, primitive, uv, normal, point)
+        return Hits(distance, item, primitive, uv, normal, rays[0], rays[1])
 
     def occluded(
         self,
@@ -128,6 +140,9 @@ class Tracer:
         origins, directions, limit = rays
         count = len(origins)
         query = QUERY.pack(origins=origins, directions=directions, limit=limit, **found)
+        kind, number = first_bad_ray(query.words, count)
+        if kind:
+            raise RenderError(_WRONG[kind].format(number=number))
         waves = [new_wave(_WAVE) for _ in range(self._pool.threads)]
 
         def work(first: int, thread: int) -> None:
@@ -149,11 +164,6 @@ def _rays(
         raise RenderError(
             f"origins {o.shape}, directions {d.shape} and max_distance {np.shape(max_distance)} are not of one length"
         ) from None
-    if np.isnan(limit).any():
-        raise RenderError("max_distance holds NaN")
-    still = ~d.any(axis=1)
-    if still.any():
-        raise RenderError(f"directions must not be zero, but number {int(np.argmax(still))} is")
     return np.ascontiguousarray(o), np.ascontiguousarray(d), np.ascontiguousarray(limit)
 
 
@@ -161,7 +171,4 @@ def _triples(name: str, values: npt.ArrayLike) -> Floats:
     array = np.atleast_2d(np.asarray(values, np.float32))
     if array.ndim != 2 or array.shape[1] != 3:
         raise RenderError(f"{name} must have shape (n, 3), but have {np.shape(values)}")
-    finite = np.isfinite(array).all(axis=1)
-    if not finite.all():
-        raise RenderError(f"{name} must be finite in single precision, but number {int(np.argmin(finite))} is not")
     return array

@@ -18,7 +18,17 @@ from isophote.kernels.base.simd import load_float, load_int, lowest_bit, store8,
 from isophote.kernels.base.table import BYTES, FLOAT_ROWS, FLOATS, INTS, Table
 from isophote.kernels.base.vec import vec3
 
-__all__ = ["GEOMETRY", "SCRATCH_WORDS", "Hit", "closest_hit", "occluded", "to_object_point", "to_object_vector", "to_world_point", "to_world_vector"]
+__all__ = [
+    "GEOMETRY",
+    "SCRATCH_WORDS",
+    "Hit",
+    "closest_hit",
+    "occluded",
+    "to_object_point",
+    "to_object_vector",
+    "to_world_point",
+    "to_world_vector",
+]
 
 SCRATCH_WORDS = 2 * SCRATCH
 

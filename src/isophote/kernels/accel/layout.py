@@ -32,9 +32,9 @@ MAX_DEPTH = 60
 STACK = 2 * (WIDTH - 1) * (MAX_DEPTH + 4)
 SCRATCH = STACK + 2 * WIDTH
 
-# Rays of a packet, and where its scratch lies: rows of origins, directions and limits, then of what is found, then the
-# stack, in the same words that a single ray's traversal uses.
+# Rays of a packet, and where its scratch lies: rows of origins, directions, limits, of what is found and of shears,
+# one row of distances to children, then the stack.
 PACKET = 16
-PACKET_ROWS = 11
-PACKET_STACK = PACKET_ROWS * PACKET
-PACKET_SCRATCH = PACKET_STACK + STACK + 2 * WIDTH
+PACKET_NEAR = 13 * PACKET
+PACKET_STACK = 14 * PACKET
+PACKET_SCRATCH = PACKET_STACK + STACK

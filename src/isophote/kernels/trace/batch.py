@@ -6,7 +6,16 @@ import numpy as np
 
 from isophote.kernels.accel.geometry import closest_hit, occluded
 from isophote.kernels.accel.layout import BLOCK, PACKET
-from isophote.kernels.accel.packet import FOUND, LIMIT, ORIGINS, any_packet, closest_packet, longest_axis
+from isophote.kernels.accel.packet import (
+    LIMIT,
+    ORIGINS,
+    SLOT,
+    WEIGHT1,
+    WEIGHT2,
+    any_packet,
+    closest_packet,
+    longest_axis,
+)
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.simd import load_float, load_int, store_float
 from isophote.kernels.light.emitter import closest_lamp, lamp_blocks
@@ -72,10 +81,10 @@ def _store_hits(wave, first, last):
     floats, longs, scratch = wave.floats, wave.longs, wave.scratch
     for lane in range(last - first):
         i = longs[rows.ORDER, first + lane]
-        floats[rows.HIT_T, i] = load_float(scratch, FOUND * PACKET + lane)
-        floats[rows.HIT_W1, i] = load_float(scratch, (FOUND + 1) * PACKET + lane)
-        floats[rows.HIT_W2, i] = load_float(scratch, (FOUND + 2) * PACKET + lane)
-        longs[rows.HIT_SLOT, i] = load_int(scratch, (FOUND + 3) * PACKET + lane)
+        floats[rows.HIT_T, i] = load_float(scratch, LIMIT * PACKET + lane)
+        floats[rows.HIT_W1, i] = load_float(scratch, WEIGHT1 * PACKET + lane)
+        floats[rows.HIT_W2, i] = load_float(scratch, WEIGHT2 * PACKET + lane)
+        longs[rows.HIT_SLOT, i] = load_int(scratch, SLOT * PACKET + lane)
         longs[rows.HIT_INSTANCE, i] = 0
 
 

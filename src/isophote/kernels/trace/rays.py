@@ -17,7 +17,7 @@ from isophote.kernels.trace import wave as rows
 from isophote.kernels.trace.batch import blocked_rays, trace_triangles
 from isophote.kernels.trace.tables import SCENE
 
-__all__ = ["QUERY", "closest_rays", "occluded_rays"]
+__all__ = ["QUERY", "closest_rays", "first_bad_ray", "occluded_rays"]
 
 # Rays and what is found, one row each: `limit` is the largest distance in lengths of the direction.
 QUERY = Table(
@@ -34,6 +34,25 @@ QUERY = Table(
 )
 
 open_scene, open_query, open_wave = SCENE.open, QUERY.open, rows.WAVE.open
+
+
+@kernel
+def first_bad_ray(query_words, count):
+    """(kind, number) of the first ray that makes no sense: kind 1 an origin or 2 a direction that is not finite, 3 a
+    direction of length zero, 4 a limit that is NaN, 0 for none."""
+    query = open_query(query_words)
+    o, d = query.origins, query.directions
+    for i in range(count):
+        # x − x is 0 for finite x only.
+        if (o[i, 0] - o[i, 0]) + (o[i, 1] - o[i, 1]) + (o[i, 2] - o[i, 2]) != 0:
+            return 1, i
+        if (d[i, 0] - d[i, 0]) + (d[i, 1] - d[i, 1]) + (d[i, 2] - d[i, 2]) != 0:
+            return 2, i
+        if d[i, 0] == 0 and d[i, 1] == 0 and d[i, 2] == 0:
+            return 3, i
+        if query.limit[i] != query.limit[i]:
+            return 4, i
+    return 0, 0
 
 
 @device
