@@ -121,7 +121,9 @@ def test_missing_textures_are_magenta(tmp_path: Path) -> None:
 def test_strict_refuses_what_would_be_a_warning(tmp_path: Path) -> None:
     path, out = written(tmp_path, "a.obj", OBJ), written(tmp_path, "out.exr", "precious")
     written(tmp_path, "a.mtl", MTL)
-    assert "missing.png" in refuses("render", path, "-o", out, "--strict")
+    said = refuses("render", path, "-o", out, "--strict")
+    assert "missing.png" in said
+    assert "magenta" not in said
     inside = written(tmp_path, "a.py", "import isophote as iso\nscene = iso.load_scene('a.obj')\n")
     said = refuses("render", inside, "-o", out, "--strict")
     assert "a.py, line 2: " in said

@@ -27,7 +27,7 @@ def doctor(
     ] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the result as JSON.")] = False,
 ) -> None:
-    """Check this machine: versions, processor, compiled kernels, a test picture."""
+    """Check this machine, and make a test picture."""
     from isophote.cli.machine import cache_facts, clean_cache, machine_facts
     from isophote.cli.self_test import check_exr, check_render
 

@@ -71,10 +71,10 @@ def _exists(folder: Path, name: str) -> bool:
         return False
 
 
-def _complain(path: Path, reason: str, strict: bool) -> None:
+def _complain(path: Path, reason: str, strict: bool, instead: str = "") -> None:
     if strict:
         raise FileError(path, reason)
-    warnings.warn(f"{fspath(path)}: {reason}", IsophoteWarning, stacklevel=2)
+    warnings.warn(f"{fspath(path)}: {reason}{instead}", IsophoteWarning, stacklevel=2)
 
 
 @attrs.define
@@ -88,7 +88,7 @@ class _Materials:
         """What the library says of a material."""
         given = self.library.get(name)
         if given is None:
-            _complain(self.path, f'there is no material "{name}" in its libraries; grey stands for it', self.strict)
+            _complain(self.path, f'there is no material "{name}" in its libraries', self.strict, "; grey stands for it")
             return Matte()
         if given.emission is not None and any(given.emission):
             return Emitter(given.emission)
@@ -112,9 +112,8 @@ class _Materials:
         try:
             return load_texture(self.path.parent / name.replace("\\", "/"), wrap="clamp" if clamped else "repeat")
         except FileError as error:
-            _complain(
-                self.path, f'the texture "{name}" cannot be read ({error.reason}); magenta stands for it', self.strict
-            )
+            reason = f'the texture "{name}" cannot be read ({error.reason})'
+            _complain(self.path, reason, self.strict, "; magenta stands for it")
             return Texture.missing(name)
 
 
