@@ -67,7 +67,6 @@ __all__ = [
 # Rows of a packet's scratch, PACKET words each. What is found so far stands in LIMIT (t), WEIGHT1, WEIGHT2 and SLOT.
 ORIGINS, DIRECTIONS, LIMIT, WEIGHT1, WEIGHT2, SLOT, _SHEARS = 0, 3, 6, 7, 8, 9, 10
 
-_ALL = np.int32(0xFF)
 
 _ZERO, _ONE = np.float32(0), np.float32(1)
 _FAR = np.float32(np.inf)
@@ -164,7 +163,8 @@ def _near_far(nodes, base, near, mirror, on, of, low, high):
 def _survivors(nodes, base, v, bound):
     """Children that some ray may enter: (bits, least distances)."""
     if v.agree == 0:
-        return _ALL, splat8(_ZERO)
+        # All that are there: missing ones have their bounds the wrong way round, and ray by ray would look endless.
+        return bits(load8(nodes, base) <= load8(nodes, base + UPPER)), splat8(_ZERO)
     x0, x1 = _near_far(nodes, base, v.near_x, UPPER, v.on_x, v.of_x, v.low_x, v.high_x)
     y0, y1 = _near_far(nodes, base, v.near_y, UPPER + 2 * WIDTH, v.on_y, v.of_y, v.low_y, v.high_y)
     z0, z1 = _near_far(nodes, base, v.near_z, UPPER + 4 * WIDTH, v.on_z, v.of_z, v.low_z, v.high_z)
