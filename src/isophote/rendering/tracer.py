@@ -9,7 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from isophote.errors import RenderError
-from isophote.kernels.trace.rays import QUERY, closest_rays, first_bad_ray, occluded_rays
+from isophote.kernels.base.table import Packed
+from isophote.kernels.trace.rays import QUERY, closest_rays, first_bad_ray, hit_normals, occluded_rays
 from isophote.kernels.trace.wave import new_wave
 from isophote.lower.scene import lower_scene
 from isophote.rendering.pool import Pool
@@ -37,23 +38,30 @@ class Hits:
 
     `distance` (n,) float32 in lengths of the direction, inf where nothing is met; `item` and `primitive` (n,) int32:
     numbers of the item in the scene and of the face in its mesh, -1 for none; `uv` (n, 2): weights of the second and
-    third corner of the triangle that was hit; `normal` (n, 3): unit geometric normal, outward.
+    third corner of the triangle that was hit. `point` and `normal` are worked out when they are asked for.
     """
 
     distance: Floats
     item: Ints
     primitive: Ints
     uv: Floats
-    normal: Floats
-    _origins: Floats = attrs.field(repr=False)
-    _directions: Floats = attrs.field(repr=False)
+    _rays: tuple[Floats, Floats] = attrs.field(repr=False)
+    _triangles: tuple[Ints, Ints] = attrs.field(repr=False)
+    _scene: Packed = attrs.field(repr=False)
 
     @property
     def point(self) -> npt.NDArray[np.float64]:
         """(n, 3): where the rays meet something, NaN where they do not."""
         reach = np.where(self.hit, self.distance, np.nan).astype(np.float64)
-        points: npt.NDArray[np.float64] = self._origins.astype(np.float64) + self._directions * reach[:, None]
+        points: npt.NDArray[np.float64] = self._rays[0].astype(np.float64) + self._rays[1] * reach[:, None]
         return points
+
+    @property
+    def normal(self) -> Floats:
+        """(n, 3): unit geometric normals, outward; zeros where nothing is met."""
+        normals = np.zeros((len(self.item), 3), np.float32)
+        hit_normals(self._scene.words, *self._triangles, normals)
+        return normals
 
     @property
     def hit(self) -> npt.NDArray[np.bool_]:
@@ -93,9 +101,8 @@ class Tracer:
         """
         rays = _rays(origins, directions, max_distance)
         count = len(rays[0])
-        distance = np.full(count, np.inf, np.float32)
-        item, primitive = np.full(count, -1, np.int32), np.full(count, -1, np.int32)
-        uv, normal = np.zeros((count, 2), np.float32), np.zeros((count, 3), np.float32)
+        distance, uv = np.empty(count, np.float32), np.empty((count, 2), np.float32)
+        item, primitive, slot, instance = (np.empty(count, np.int32) for _ in range(4))
         self._run(
             closest_rays,
             rays,
@@ -104,10 +111,11 @@ class Tracer:
             item=item,
             primitive=primitive,
             uv=uv,
-            normal=normal,
+            slot=slot,
+            instance=instance,
             blocked=np.zeros(0, np.uint8),
         )
-        return Hits(distance, item, primitive, uv, normal, rays[0], rays[1])
+        return Hits(distance, item, primitive, uv, rays[:2], (slot, instance), self._scene)
 
     def occluded(
         self,
@@ -129,7 +137,8 @@ class Tracer:
             item=none,
             primitive=none,
             uv=np.zeros((0, 2), np.float32),
-            normal=np.zeros((0, 3), np.float32),
+            slot=none,
+            instance=none,
             blocked=blocked,
         )
         return blocked.astype(bool)

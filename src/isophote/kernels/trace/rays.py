@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from isophote.kernels.accel.geometry import Hit
 from isophote.kernels.accel.surface import (
     FIRST_TRIANGLE,
@@ -17,9 +19,10 @@ from isophote.kernels.trace import wave as rows
 from isophote.kernels.trace.batch import blocked_rays, trace_triangles
 from isophote.kernels.trace.tables import SCENE
 
-__all__ = ["QUERY", "closest_rays", "first_bad_ray", "occluded_rays"]
+__all__ = ["QUERY", "closest_rays", "first_bad_ray", "hit_normals", "occluded_rays"]
 
-# Rays and what is found, one row each: `limit` is the largest distance in lengths of the direction.
+# Rays and what is found, one row each: `limit` is the largest distance in lengths of the direction; `slot` and
+# `instance` (−1: none) name the triangle for later questions.
 QUERY = Table(
     "Query",
     origins=FLOAT_ROWS,
@@ -27,11 +30,15 @@ QUERY = Table(
     limit=FLOATS,
     distance=FLOATS,
     uv=FLOAT_ROWS,
-    normal=FLOAT_ROWS,
     item=INTS,
     primitive=INTS,
+    slot=INTS,
+    instance=INTS,
     blocked=BYTES,
 )
+
+_ZERO = np.float32(0)
+_FAR = np.float32(np.inf)
 
 open_scene, open_query, open_wave = SCENE.open, QUERY.open, rows.WAVE.open
 
@@ -69,21 +76,26 @@ def _load(query, wave, first, count, origin_row, limit_row):
 def _write(scene, query, i, hit):
     number = triangle_number(scene.geometry, hit.slot)
     item = item_of(scene.surfaces, hit.instance, number)
-    normal = true_normal(scene.geometry, scene.surfaces, hit, item)
     query.distance[i] = hit.t
     query.uv[i, 0] = hit.weight1
     query.uv[i, 1] = hit.weight2
-    query.normal[i, 0] = normal.x
-    query.normal[i, 1] = normal.y
-    query.normal[i, 2] = normal.z
     query.item[i] = scene.surfaces.items[item, PUBLIC]
     triangle = number - scene.surfaces.items[item, FIRST_TRIANGLE]
     query.primitive[i] = face_number(scene.surfaces, item, triangle)
+    query.slot[i] = hit.slot
+    query.instance[i] = hit.instance
+
+
+@device
+def _write_miss(query, i):
+    query.distance[i] = _FAR
+    query.uv[i, 0] = query.uv[i, 1] = _ZERO
+    query.item[i] = query.primitive[i] = query.slot[i] = query.instance[i] = -1
 
 
 @kernel
 def closest_rays(scene_words, query_words, wave_words, first, last, coherent):
-    """The first hit of rays first ≤ i < last; rows of rays that meet nothing keep what they hold."""
+    """The first hit of rays first ≤ i < last."""
     scene, query, wave = open_scene(scene_words), open_query(query_words), open_wave(wave_words)
     floats, longs = wave.floats, wave.longs
     size = floats.columns
@@ -93,7 +105,9 @@ def closest_rays(scene_words, query_words, wave_words, first, last, coherent):
         trace_triangles(scene.geometry, wave, count, coherent)
         for i in range(count):
             slot = longs[rows.HIT_SLOT, i]
-            if slot >= 0:
+            if slot < 0:
+                _write_miss(query, start + i)
+            else:
                 w1, w2 = floats[rows.HIT_W1, i], floats[rows.HIT_W2, i]
                 _write(scene, query, start + i, Hit(floats[rows.HIT_T, i], w1, w2, slot, longs[rows.HIT_INSTANCE, i]))
 
@@ -109,3 +123,15 @@ def occluded_rays(scene_words, query_words, wave_words, first, last, coherent):
         blocked_rays(scene.geometry, wave, count, coherent)
         for i in range(count):
             query.blocked[start + i] = wave.ints[rows.BLOCKED, i]
+
+
+@kernel
+def hit_normals(scene_words, slots, instances, normals):
+    """Unit geometric normals, outward, of the triangles named; rows without one keep what they hold."""
+    scene = open_scene(scene_words)
+    for i in range(slots.size):
+        if slots[i] >= 0:
+            slot, instance = np.int64(slots[i]), np.int64(instances[i])
+            item = item_of(scene.surfaces, instance, triangle_number(scene.geometry, slot))
+            normal = true_normal(scene.geometry, scene.surfaces, Hit(_ZERO, _ZERO, _ZERO, slot, instance), item)
+            normals[i, 0], normals[i, 1], normals[i, 2] = normal.x, normal.y, normal.z
