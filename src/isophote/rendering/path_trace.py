@@ -93,8 +93,8 @@ class PathTrace:
         job.report("building the tree", 0.0)
         scene = lower_scene(job.scene, job.size, job.threads)
         job.report("building the tree", 1.0)
-        pool = Pool(job.threads, deadline)
-        film = self._trace(scene, job, pool)
+        pool = Pool(job.threads)
+        film = self._trace(scene, job, pool, deadline)
         channels = first_hit_channels(scene, job.size, Pool(job.threads))
         count = film.arrays["count"]
         metadata = {
@@ -107,7 +107,7 @@ class PathTrace:
             metadata["stopped"] = "interrupted before all samples were taken"
         return Image({**_developed(film, job.size), **channels}, metadata)
 
-    def _trace(self, scene: Packed, job: Job, pool: Pool) -> Packed:
+    def _trace(self, scene: Packed, job: Job, pool: Pool, deadline: float | None) -> Packed:
         width, height = job.size
         film = FILM.pack(
             total=np.zeros((height, 3 * width)),
@@ -134,6 +134,8 @@ class PathTrace:
                     path_trace_tile(scene.words, plan.words, film.words, waves[thread].words, *tile, *span)
 
                 pool.run(work, tiles, lambda done, span=span: progress.show(span, done))  # type: ignore[misc]
+                # From now on; every pixel has its first samples, however short the time.
+                pool.deadline = deadline
                 if pool.stopped or (self.noise is not None and _noise(film) <= self.noise):
                     break
         except KeyboardInterrupt:
