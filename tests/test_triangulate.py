@@ -95,7 +95,8 @@ def test_triangles_are_passed_on_without_copying():
 
 def test_triangles_and_quads_never_load_numba():
     program = (
-        "import sys; from isophote import Mesh, studio, triangulate; m = Mesh([(0,0,0),(1,0,0),(1,1,0),(0,1,0)], [(0,1,2,3),(0,1,2)]);"
+        "import sys; from isophote import Mesh, studio, triangulate;"
+        "m = Mesh([(0,0,0),(1,0,0),(1,1,0),(0,1,0)], [(0,1,2,3),(0,1,2)]);"
         "triangulate(m); studio(m); assert 'numba' not in sys.modules"
     )
     subprocess.run([sys.executable, "-c", program], check=True)
