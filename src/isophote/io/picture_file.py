@@ -15,8 +15,8 @@ from isophote.io.exr import EXR_MAGIC, read_exr, write_exr
 from isophote.io.files import StrPath, check_writable, replacing
 from isophote.io.png import display_bytes, write_png
 from isophote.io.source import read_source
-from isophote.io.srgb import from_srgb
 from isophote.io.texture_file import decode_picture
+from isophote.scene.colour import srgb_to_linear
 
 __all__ = ["check_picture_path", "read_picture", "write_picture"]
 
@@ -101,7 +101,7 @@ def read_picture(path: StrPath) -> tuple[dict[str, Array], dict[str, str]]:
     pixels, space, metadata = decode_picture(data, path)
     values = pixels / np.float32(255) if pixels.dtype == np.uint8 else pixels
     stack = values[..., None] if values.ndim == 2 else values
-    colour = stack[..., :3] if space == "linear" else from_srgb(stack[..., :3])
+    colour = stack[..., :3] if space == "linear" else srgb_to_linear(stack[..., :3])
     shape = (*stack.shape[:2], 3)
     channels = {"colour": np.broadcast_to(colour, shape).astype(np.float32)}
     if stack.shape[2] == 4:

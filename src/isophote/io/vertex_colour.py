@@ -12,11 +12,9 @@ import numpy as np
 import numpy.typing as npt
 
 from isophote.io.srgb import to_srgb_bytes
-from isophote.scene.colour import srgb_to_linear
+from isophote.scene.colour import linear_to_srgb, srgb_to_linear
 
 __all__ = ["as_exact_bytes", "from_display", "from_integers", "to_display"]
-
-_KNEE = 0.04045 / 12.92
 
 
 def from_display(coded: npt.NDArray[Any]) -> npt.NDArray[np.float32]:
@@ -28,15 +26,9 @@ def from_display(coded: npt.NDArray[Any]) -> npt.NDArray[np.float32]:
 
 
 def to_display(linear: npt.NDArray[Any]) -> npt.NDArray[np.float64]:
-    """Coded float64 colours, from which `from_display` makes the very same float32 values again.
-
-    The curve changes its piece exactly where that of `srgb_to_linear` does; the customary 0.0031308 would
-    leave a gap of some twenty float32 values that would not come back.
-    """
+    """Coded float64 colours, from which `from_display` makes the very same float32 values again."""
     coded = np.array(linear, np.float64)
-    c = np.abs(coded[:, :3])
-    curve = np.where(c <= _KNEE, c * 12.92, 1.055 * c ** (1 / 2.4) - 0.055)
-    coded[:, :3] = np.copysign(curve, coded[:, :3])
+    coded[:, :3] = linear_to_srgb(coded[:, :3])
     return coded
 
 

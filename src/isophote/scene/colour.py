@@ -19,6 +19,8 @@ ColourLike: TypeAlias = str | float | Sequence[float] | npt.NDArray[Any]
 
 WHITE: Colour = (1.0, 1.0, 1.0)
 
+_KNEE = 0.04045 / 12.92
+
 
 def srgb_to_linear(values: npt.ArrayLike) -> npt.NDArray[Any]:
     """Linear values of sRGB-encoded ones: c / 12.92 up to 0.04045, else ((c + 0.055) / 1.055)^2.4.
@@ -34,15 +36,16 @@ def srgb_to_linear(values: npt.ArrayLike) -> npt.NDArray[Any]:
 
 
 def linear_to_srgb(values: npt.ArrayLike) -> npt.NDArray[Any]:
-    """sRGB-encoded values of linear ones: 12.92 c up to 0.0031308, else 1.055 c^(1/2.4) - 0.055.
+    """sRGB-encoded values of linear ones: 12.92 c up to 0.04045 / 12.92, else 1.055 c^(1/2.4) - 0.055.
 
     Any shape; 0 to 1, and beyond it by the same formula, negative values mirrored. float32 stays float32,
-    everything else gives float64. Source: IEC 61966-2-1.
+    everything else gives float64. The curve changes its piece where that of `srgb_to_linear` does; the customary
+    0.0031308 would leave a gap of values that do not come back. Source: IEC 61966-2-1.
     """
     c = _floats(values)
     a = np.abs(c)
     curve = 1.055 * np.power(a, 1 / 2.4, dtype=c.dtype) - 0.055
-    encoded: npt.NDArray[Any] = np.copysign(np.where(a <= 0.0031308, 12.92 * a, curve), c)
+    encoded: npt.NDArray[Any] = np.copysign(np.where(a <= _KNEE, 12.92 * a, curve), c)
     return encoded
 
 

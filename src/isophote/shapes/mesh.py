@@ -183,8 +183,10 @@ class Mesh:
     @property
     def bounds(self) -> npt.NDArray[np.float64]:
         """(2, 3): least and greatest corner of the box of the vertices that faces use."""
-        used = self._vertices[np.unique(self._indices)]
-        return np.stack([used.min(axis=0), used.max(axis=0)])
+        used = np.zeros(len(self._vertices), bool)
+        used[self._indices] = True
+        points = self._vertices if used.all() else self._vertices[used]
+        return np.stack([points.min(axis=0), points.max(axis=0)])
 
     def with_(
         self,
@@ -216,12 +218,26 @@ class Mesh:
     def __hash__(self) -> int:
         return hash((self._vertices.shape, self._indices.tobytes()[:256]))
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _restored, (self._vertices, self._indices, self._offsets, dict(self._attributes), dict(self._labels))
+
     def __repr__(self) -> str:
         if len(self._vertices) + self.face_count <= 64 and not self._attributes and not self._labels:
             faces = [[int(i) for i in face] for face in self.faces]
             return f"Mesh({self._vertices.tolist()}, {faces})"
         extra = "".join(f", {name}" for name in (*self._attributes, *self._labels))
         return f"<Mesh: {len(self._vertices):,} vertices, {self.face_count:,} faces{extra}>"
+
+
+def _restored(
+    vertices: FloatArray,
+    indices: IntArray,
+    offsets: IntArray,
+    attributes: dict[str, Attribute],
+    labels: dict[str, FaceLabels],
+) -> Mesh:
+    """A mesh from what `Mesh.__reduce__` took apart: for copies and other processes."""
+    return Mesh.from_polygons(vertices, indices, offsets, attributes=attributes, labels=labels)
 
 
 def _same(a: npt.NDArray[Any] | None, b: npt.NDArray[Any] | None) -> bool:
@@ -260,9 +276,7 @@ def _points(vertices: npt.ArrayLike) -> npt.NDArray[np.float64]:
     finite = np.isfinite(given).all(axis=1)
     if not finite.all():
         bad = int(np.argmin(finite))
-        raise GeometryError(
-            f"vertex {bad} is not finite: {given[bad].tolist()} ({int((~finite).sum())} such in all)"
-        )
+        raise GeometryError(f"vertex {bad} is not finite: {given[bad].tolist()} ({int((~finite).sum())} such in all)")
     return np.ascontiguousarray(given if given is not vertices else given.copy())
 
 

@@ -17,8 +17,7 @@ from isophote.errors import IsophoteWarning
 from isophote.io.files import StrPath
 from isophote.io.gltf.build import Builder
 from isophote.io.gltf.material import MARK
-from isophote.io.srgb import from_srgb, to_srgb
-from isophote.scene.colour import Colour
+from isophote.scene.colour import Colour, linear_to_srgb, srgb_to_linear
 from isophote.scene.material import Emitter, Glass, Material, Matte, Mirror, Principled
 from isophote.scene.texture import Texture
 
@@ -144,5 +143,5 @@ def _as_bytes(texture: Texture, space: str) -> Pixels:
     given = texture.pixels if texture.pixels.ndim == 3 else texture.pixels[..., None]
     values = np.clip(given / (255.0 if given.dtype == np.uint8 else 1.0), 0.0, 1.0)
     if texture.colour_space != space:
-        values[..., :3] = (to_srgb if space == "srgb" else from_srgb)(values[..., :3])
+        values[..., :3] = (linear_to_srgb if space == "srgb" else srgb_to_linear)(values[..., :3])
     return np.floor(values * 255.0 + 0.5).astype(np.uint8)
