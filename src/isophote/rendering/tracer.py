@@ -25,7 +25,7 @@ Ints: TypeAlias = npt.NDArray[np.int32]
 _WRONG = {
     1: "origins must be finite in single precision, but number {number} is not",
     2: "directions must be finite in single precision, but number {number} is not",
-    3: "directions must not be zero, but number {number} is",
+    3: "directions must not be zero or shorter than 1e-8, but number {number} is",
     4: "max_distance must not be NaN, but number {number} is",
 }
 _RAYS_A_JOB = 16_384
@@ -95,9 +95,9 @@ class Tracer:
     ) -> Hits:
         """The first hit of each ray at 0 < distance < `max_distance`.
 
-        `origins` and `directions` (n, 3), or one row for all; directions may have any length but 0. `coherent` tells
+        `origins` and `directions` (n, 3), or one row for all; directions may have any length from 1e-8 up. `coherent` tells
         that neighbours in the arrays go much the same way, as a camera's rays do: sixteen are then traced together.
-        Raises `RenderError` for other shapes, NaN, infinite or zero directions.
+        Raises `RenderError` for other shapes, NaN, infinite, zero or shorter directions.
         """
         rays = _rays(origins, directions, max_distance)
         count = len(rays[0])

@@ -38,6 +38,8 @@ QUERY = Table(
 )
 
 _ZERO = np.float32(0)
+# Beside the least component that boxes are tested with (bvh.py) shorter directions would be turned noticeably.
+_SHORTEST = np.float32(1e-8)
 _FAR = np.float32(np.inf)
 
 open_scene, open_query, open_wave = SCENE.open, QUERY.open, rows.WAVE.open
@@ -46,7 +48,7 @@ open_scene, open_query, open_wave = SCENE.open, QUERY.open, rows.WAVE.open
 @kernel
 def first_bad_ray(query_words, count):
     """(kind, number) of the first ray that makes no sense: kind 1 an origin or 2 a direction that is not finite, 3 a
-    direction of length zero, 4 a limit that is NaN, 0 for none."""
+    direction that is zero or too short, 4 a limit that is NaN, 0 for none."""
     query = open_query(query_words)
     o, d = query.origins, query.directions
     for i in range(count):
@@ -55,7 +57,7 @@ def first_bad_ray(query_words, count):
             return 1, i
         if (d[i, 0] - d[i, 0]) + (d[i, 1] - d[i, 1]) + (d[i, 2] - d[i, 2]) != 0:
             return 2, i
-        if d[i, 0] == 0 and d[i, 1] == 0 and d[i, 2] == 0:
+        if max(abs(d[i, 0]), max(abs(d[i, 1]), abs(d[i, 2]))) < _SHORTEST:
             return 3, i
         if query.limit[i] != query.limit[i]:
             return 4, i
