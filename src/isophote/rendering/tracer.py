@@ -95,9 +95,9 @@ class Tracer:
     ) -> Hits:
         """The first hit of each ray at 0 < distance < `max_distance`.
 
-        `origins` and `directions` (n, 3), or one row for all; directions may have any length from 1e-8 up. `coherent` tells
-        that neighbours in the arrays go much the same way, as a camera's rays do: sixteen are then traced together.
-        Raises `RenderError` for other shapes, NaN, infinite, zero or shorter directions.
+        `origins` and `directions` (n, 3), or one row for all; directions may have any length from 1e-8 up. `coherent`
+        tells that neighbours in the arrays go much the same way, as a camera's rays do: sixteen are then traced
+        together. Raises `RenderError` for other shapes, NaN, infinite, zero or shorter directions.
         """
         rays = _rays(origins, directions, max_distance)
         count = len(rays[0])
