@@ -293,9 +293,8 @@ def main() -> None:
     print(f"{'scene':18} {'mean ratio':>10} {'± %':>6} {'within 3σ':>10} {'mean square':>12}")
     for name in given.scenes or SCENES:
         found, ours, theirs = compare(name, given.size, given.samples)
-        print(
-            f"{name:18} {found.ratio:10.5f} {100 * found.ratio_error:6.3f} {found.share:10.4f} {found.mean_square:12.3f}"
-        )
+        means = f"{found.ratio:10.5f} {100 * found.ratio_error:6.3f}"
+        print(f"{name:18} {means} {found.share:10.4f} {found.mean_square:12.3f}")
         if given.save:
             given.save.mkdir(parents=True, exist_ok=True)
             _save(given.save, name, ours, theirs)

@@ -1,4 +1,4 @@
-"""The same pictures as Mitsuba 3 makes, where it is installed (extra `bench`); bench/compare_mitsuba.py shows tables."""
+"""The same pictures as Mitsuba 3 makes, where it is installed (extra `bench`); see bench/compare_mitsuba.py."""
 
 from __future__ import annotations
 

@@ -11,11 +11,15 @@ from numba.core.errors import TypingError
 
 from isophote.kernels.base.simd import (
     absolute,
+    as_float,
     bits,
     exact_product_difference,
     lane,
+    largest,
+    least,
     load4,
     load8,
+    load16,
     load_float,
     load_int,
     lowest_bit,
@@ -25,9 +29,11 @@ from isophote.kernels.base.simd import (
     select,
     splat4,
     splat8,
+    splat16,
     square_root,
     store4,
     store8,
+    store16,
     store_float,
     store_int,
     swap_triples,
@@ -37,6 +43,7 @@ from isophote.kernels.base.simd import (
 FLOATS = st.floats(width=32, allow_nan=True, allow_infinity=True, allow_subnormal=True)
 FINITE = st.floats(-(2.0**50), 2.0**50, width=32, allow_subnormal=False)
 EIGHT = st.lists(FLOATS, min_size=8, max_size=8).map(lambda values: np.array(values, np.float32))
+SIXTEEN = st.lists(FLOATS, min_size=16, max_size=16).map(lambda values: np.array(values, np.float32))
 EIGHT_FINITE = st.lists(FINITE, min_size=8, max_size=8).map(lambda values: np.array(values, np.float32))
 MANY = settings(max_examples=300, deadline=None)
 
@@ -77,6 +84,24 @@ def four(a, b, out, masks):
     masks[5], masks[6] = bits((x < y) & (x <= y)), bits((x < y) | (x > y))
 
 
+@njit(error_model="numpy")
+def sixteen(a, b, out, masks):
+    """The same on sixteen lanes."""
+    x, y = load16(a, 0), load16(b, 0)
+    store16(out[0], 0, x + y)
+    store16(out[1], 0, x - y)
+    store16(out[2], 0, x * y)
+    store16(out[3], 0, x / y)
+    store16(out[4], 0, minimum(x, y))
+    store16(out[5], 0, maximum(x, y))
+    store16(out[6], 0, absolute(x))
+    store16(out[7], 0, square_root(x))
+    store16(out[8], 0, select(x < y, x, y))
+    masks[0], masks[1], masks[2] = bits(x < y), bits(x <= y), bits(x > y)
+    masks[3], masks[4] = bits(x >= y), bits(x == y)
+    masks[5], masks[6] = bits((x < y) & (x <= y)), bits((x < y) | (x > y))
+
+
 def expected(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, list[np.ndarray]]:
     with np.errstate(all="ignore"):
         less = a < b
@@ -85,15 +110,40 @@ def expected(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, list[np.ndarray]
         return out, [less, a <= b, a > b, a >= b, a == b, less & (a <= b), less | (a > b)]
 
 
-@pytest.mark.parametrize(("run", "lanes"), [(eight, 8), (four, 4)])
+@pytest.mark.parametrize(("run", "lanes"), [(sixteen, 16), (eight, 8), (four, 4)])
 @MANY
-@given(a=EIGHT, b=EIGHT)
+@given(a=SIXTEEN, b=SIXTEEN)
 def test_operations_agree_with_numpy(run, lanes, a, b):
-    out, masks = np.zeros((9, 8), np.float32), np.zeros(7, np.int32)
+    out, masks = np.zeros((9, 16), np.float32), np.zeros(7, np.int32)
     run(a, b, out, masks)
     values, truths = expected(a[:lanes], b[:lanes])
     assert np.array_equal(out[:, :lanes], values, equal_nan=True)
+    assert not out[:, lanes:].any()
     assert masks.tolist() == [int((truth << np.arange(lanes)).sum()) for truth in truths]
+
+
+@njit
+def extremes(a):
+    return least(load16(a, 0)), largest(load16(a, 0)), least(load8(a, 0)), largest(load8(a, 0))
+
+
+@MANY
+@given(a=st.lists(FINITE, min_size=16, max_size=16).map(lambda values: np.array(values, np.float32)))
+def test_least_and_largest_lanes(a):
+    assert extremes(a) == (a.min(), a.max(), a[:8].min(), a[:8].max())
+
+
+@njit
+def marked(numbers, out):
+    store16(out, 0, splat16(as_float(np.int32(numbers[0]))))
+
+
+@pytest.mark.parametrize("number", [0, -1, 17, 2**31 - 1, 0x7F800001])
+def test_whole_numbers_travel_as_floats_with_all_their_bits(number):
+    """Among them those that as floats are signalling NaNs and subnormal."""
+    out = np.zeros(16, np.float32)
+    marked(np.array([number]), out)
+    assert (out.view(np.int32) == number).all()
 
 
 def test_a_nan_on_the_left_gives_the_right_operand_and_one_on_the_right_stays():

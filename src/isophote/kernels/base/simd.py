@@ -1,8 +1,8 @@
 """Vectors of the processor as Numba types: `f32x16`, `f32x8` and `f32x4`, so many floats in one register.
 
 A vector exists only inside kernels: it is loaded from or stored to an array, or made by `splat`, and has
-the operators `+ - * /`, negation, the comparisons (which give a mask), and the functions below. Masks have
-`&`, `|` and `~`. Everything maps to one or two machine instructions; nothing allocates.
+the operators `+ - * /`, the comparisons but `!=` (which give a mask), and the functions below. Masks have
+`&` and `|`. Everything maps to one or two machine instructions; nothing allocates.
 
     a = load8(values, i)                  # eight floats from values[i] on
     near = minimum(a, b) - splat8(x)
