@@ -112,10 +112,8 @@ def _sample_flat(values, k, point, place):
     cosine = -dot(direction, _triple(values, k, _NORMAL))
     if values[k, _TWO_SIDED] != _ZERO:
         cosine = abs(cosine)
-    # From behind, from the light's own plane, or from the place itself.
-    if not (cosine > _ZERO and closeness < _FAR):
-        return _nothing()
-    density = distance2 / (cosine * values[k, _AREA])
+    # Nothing from behind, from the light's own plane, or from the place itself. No branch: it would be guessed wrong.
+    density = distance2 / (cosine * values[k, _AREA]) if (cosine > _ZERO and closeness < _FAR) else -_ONE
     return _arrives(direction, distance2 * closeness, _triple(values, k, _RADIANCE), density)
 
 

@@ -72,19 +72,26 @@ def _start(tables, plan, tile, first, count, wave):
     floats, ints = wave.floats, wave.ints
     samples = tile.last - tile.first
     across = tile.x1 - tile.x0
+    place, sample = first // samples, first % samples
+    x, y = place % across, place // across
     for i in range(count):
-        path = first + i
-        place = path // samples
-        ints[rows.PIXEL, i] = (tile.y0 + place // across) * plan.width + tile.x0 + place % across
-        ints[rows.SAMPLE, i] = tile.first + path % samples
+        px, py = tile.x0 + x, tile.y0 + y
+        ints[rows.PIXEL, i] = py * plan.width + px
+        ints[rows.SAMPLE, i] = tile.first + sample
         ints[rows.OWNER, i] = i
+        floats[rows.HIT_W1, i], floats[rows.HIT_W2, i] = px, py
+        # Counting on: divisions would take longer than all else here.
+        sample += 1
+        if sample == samples:
+            sample, x = 0, x + 1
+            if x == across:
+                x, y = 0, y + 1
     _draw(plan, wave, count, _FILM, rows.PICK_U)
     _draw(plan, wave, count, _LENS, rows.LIGHT_U)
     for i in range(count):
         dx, dy = filter_offset(plan.filter, floats[rows.PICK_U, i], floats[rows.PICK_V, i])
         a, b = to_disk(floats[rows.LIGHT_U, i], floats[rows.LIGHT_V, i])
-        pixel = np.int64(ints[rows.PIXEL, i])
-        px, py = np.float32(pixel % plan.width) + dx, np.float32(pixel // plan.width) + dy
+        px, py = floats[rows.HIT_W1, i] + dx, floats[rows.HIT_W2, i] + dy
         origin, direction = camera_ray(tables.camera, px, py, a, b)
         set_row_vec3(floats, rows.ORIGIN, i, origin)
         set_row_vec3(floats, rows.DIRECTION, i, direction / length(direction))
@@ -112,11 +119,16 @@ def _draw(plan, wave, count, dimension, row):
 
 @device
 def _draw_step(plan, wave, count, depth):
-    """Sample numbers of one step for every path."""
+    """Sample numbers of one step for every path: PICK_U picks a light or one of glass's two rays, PICK_V ends paths,
+    LIGHT is a place on the light, SCATTER a point of the unit disk."""
     first = _FIRST + _PER_RAY * (depth - 1)
     _draw(plan, wave, count, first + _PICK, rows.PICK_U)
     _draw(plan, wave, count, first + _LIGHT, rows.LIGHT_U)
     _draw(plan, wave, count, first + _SCATTER, rows.SCATTER_U)
+    # Scattering starts from a point of the unit disk; here it is made for eight paths at a time.
+    u, v = wave.floats[rows.SCATTER_U], wave.floats[rows.SCATTER_V]
+    for i in range(count):
+        u[i], v[i] = to_disk(u[i], v[i])
 
 
 @device
@@ -174,31 +186,25 @@ def _aim(tables, wave, i, at, surface, shading, out, colour, carried):
     floats = wave.floats
     k, chance, _ = pick_light(lights, floats[rows.PICK_U, i])
     sample = sample_light(lights, k, surface.place, floats[rows.LIGHT_U, i], floats[rows.LIGHT_V, i])
-    if sample.density < _ZERO:
-        return 0
     direction = vec3(sample.x, sample.y, sample.z)
     cosine = dot(shading, direction)
     # Light must come from the side that is looked at, by the true normal too.
-    if cosine <= _ZERO or dot(surface.normal, direction) * dot(surface.normal, out) <= _ZERO:
-        return 0
+    seen = cosine > _ZERO and dot(surface.normal, direction) * dot(surface.normal, out) > _ZERO
     # w / p for the power heuristic's w = p² / (p² + q²) is p / (p² + q²).
     p, q = chance * sample.density, cosine * INV_PI
     weight = q * p / (p * p + q * q) if p > _ZERO else q / chance
     light = carried * colour * vec3(sample.red, sample.green, sample.blue) * weight
-    if not maximum_component(light) > _ZERO:
-        return 0
     start = offset_point(surface.place, surface.normal, surface.error, direction)
+    # The light's place seen from the moved start, so that the ray still ends on it, at t = 1.
+    far = sample.distance == _FAR
+    to_light = direction if far else direction * sample.distance + (surface.place - start)
+    # Written whether it counts or not, and overwritten by the next: a branch here would be guessed wrong half the time.
     set_row_vec3(floats, rows.SHADOW_ORIGIN, at, start)
+    set_row_vec3(floats, rows.SHADOW_DIRECTION, at, to_light)
     set_row_vec3(floats, rows.SHADOW_LIGHT, at, light)
-    if sample.distance == _FAR:
-        set_row_vec3(floats, rows.SHADOW_DIRECTION, at, direction)
-        floats[rows.SHADOW_END, at] = _FAR
-    else:
-        # The light's place seen from the moved start, so that the ray still ends on it, at t = 1.
-        set_row_vec3(floats, rows.SHADOW_DIRECTION, at, direction * sample.distance + (surface.place - start))
-        floats[rows.SHADOW_END, at] = _SHADOW_END
+    floats[rows.SHADOW_END, at] = _FAR if far else _SHADOW_END
     wave.ints[rows.SHADOW_OWNER, at] = wave.ints[rows.OWNER, i]
-    return 1
+    return 1 if (seen and sample.density >= _ZERO and maximum_component(light) > _ZERO) else 0
 
 
 @device
@@ -215,12 +221,11 @@ def _survives(plan, depth, carried, u):
 
 @device
 def _go_on(plan, wave, depth, i, to, surface, into, carried, density):
-    """Write the ray that goes on to wave column `to`. Returns how many were written."""
-    factor = _survives(plan, depth, carried, wave.floats[rows.PICK_V, i])
-    if factor == _ZERO or not maximum_component(carried) > _ZERO:
-        return 0
+    """Write the ray that goes on to wave column `to`. Returns how many were written: 1, or 0 where the path ends."""
     floats, ints = wave.floats, wave.ints
+    factor = _survives(plan, depth, carried, floats[rows.PICK_V, i])
     start = offset_point(surface.place, surface.normal, surface.error, into)
+    # Written whether the path lives or not, as in _aim.
     set_row_vec3(floats, rows.ORIGIN, to, start)
     set_row_vec3(floats, rows.DIRECTION, to, into)
     set_row_vec3(floats, rows.CARRIED, to, carried * factor)
@@ -229,7 +234,7 @@ def _go_on(plan, wave, depth, i, to, surface, into, carried, density):
     ints[rows.PIXEL, to] = ints[rows.PIXEL, i]
     ints[rows.SAMPLE, to] = ints[rows.SAMPLE, i]
     ints[rows.OWNER, to] = ints[rows.OWNER, i]
-    return 1
+    return 1 if factor * maximum_component(carried) > _ZERO else 0
 
 
 @device
@@ -268,8 +273,7 @@ def _shade(tables, plan, wave, count, depth):
             shading = seen_normal(surface, direction)
             shading = shading if dot(direction, shading) < _ZERO else -shading
             shadows += _aim(tables, wave, i, shadows, surface, shading, -direction, colour, carried)
-            x, y = to_disk(floats[rows.SCATTER_U, i], floats[rows.SCATTER_V, i])
-            into, density = scatter_matte(shading, x, y)
+            into, density = scatter_matte(shading, floats[rows.SCATTER_U, i], floats[rows.SCATTER_V, i])
             if dot(into, surface.normal) * dot(direction, surface.normal) < _ZERO:
                 alive += _go_on(plan, wave, depth, i, alive, surface, into, carried * colour, density)
         elif kind == MIRROR:
@@ -277,7 +281,7 @@ def _shade(tables, plan, wave, count, depth):
             alive += _go_on(plan, wave, depth, i, alive, surface, into, carried * colour, _ZERO)
         else:
             ior = tables.materials.values[material, 6]
-            into, factor = scatter_glass_ray(surface, direction, ior, floats[rows.SCATTER_U, i])
+            into, factor = scatter_glass_ray(surface, direction, ior, floats[rows.PICK_U, i])
             alive += _go_on(plan, wave, depth, i, alive, surface, into, carried * colour * factor, _ZERO)
     return alive, shadows
 
