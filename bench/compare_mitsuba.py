@@ -197,8 +197,14 @@ def _light(mi: Any, light: Any, folder: Path) -> dict[str, Any]:
 
 
 def _picture(mi: Any, light: iso.Environment, folder: Path) -> dict[str, Any]:
-    """Their maps lie as ours do: +z in the middle, +x in the left half."""
-    pixels = np.ascontiguousarray(light.texture.pixels[..., :3] * np.float32(light.strength))
+    """Their maps lie as ours do, +z in the middle, +x in the left half; but their first and last rows are the poles,
+    where ours are half a row away. Rows are therefore resampled, closely enough that nothing else changes."""
+    texels = light.texture.pixels[..., :3] * np.float32(light.strength)
+    height = len(texels)
+    row = np.clip(np.linspace(0, height, 8 * height + 1) - 0.5, 0, height - 1)
+    above = np.minimum(row.astype(int), height - 2)
+    share = (row - above).astype(np.float32)[:, None, None]
+    pixels = np.ascontiguousarray(texels[above] * (1 - share) + texels[above + 1] * share)
     path = folder / "sky.exr"
     mi.Bitmap(pixels).write(str(path))
     turn = mi.ScalarTransform4f().rotate([0, 1, 0], math.degrees(light.rotation))
