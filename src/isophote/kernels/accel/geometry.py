@@ -18,17 +18,7 @@ from isophote.kernels.base.simd import load_float, load_int, lowest_bit, store8,
 from isophote.kernels.base.table import BYTES, FLOAT_ROWS, FLOATS, INTS, Table
 from isophote.kernels.base.vec import vec3
 
-__all__ = [
-    "GEOMETRY",
-    "SCRATCH_WORDS",
-    "Hit",
-    "closest_hit",
-    "occluded",
-    "to_object_point",
-    "to_object_vector",
-    "to_world_point",
-    "to_world_vector",
-]
+__all__ = ["GEOMETRY", "SCRATCH_WORDS", "Hit", "affine_point", "affine_vector", "closest_hit", "occluded"]
 
 SCRATCH_WORDS = 2 * SCRATCH
 
@@ -64,52 +54,27 @@ class Hit(NamedTuple):
 
 
 @device
-def _affine_point(m, k, p):
+def affine_point(matrices, k, p):
+    """The point `p` by affine matrix number `k`."""
+    return affine_vector(matrices, k, p) + vec3(matrices[k, 3], matrices[k, 7], matrices[k, 11])
+
+
+@device
+def affine_vector(matrices, k, d):
+    """The vector `d` by the linear part of affine matrix number `k`."""
     return vec3(
-        m[k, 0] * p.x + m[k, 1] * p.y + m[k, 2] * p.z + m[k, 3],
-        m[k, 4] * p.x + m[k, 5] * p.y + m[k, 6] * p.z + m[k, 7],
-        m[k, 8] * p.x + m[k, 9] * p.y + m[k, 10] * p.z + m[k, 11],
+        matrices[k, 0] * d.x + matrices[k, 1] * d.y + matrices[k, 2] * d.z,
+        matrices[k, 4] * d.x + matrices[k, 5] * d.y + matrices[k, 6] * d.z,
+        matrices[k, 8] * d.x + matrices[k, 9] * d.y + matrices[k, 10] * d.z,
     )
-
-
-@device
-def _affine_vector(m, k, d):
-    return vec3(
-        m[k, 0] * d.x + m[k, 1] * d.y + m[k, 2] * d.z,
-        m[k, 4] * d.x + m[k, 5] * d.y + m[k, 6] * d.z,
-        m[k, 8] * d.x + m[k, 9] * d.y + m[k, 10] * d.z,
-    )
-
-
-@device
-def to_object_point(geometry, instance, p):
-    """A point of the world in the space of an instance's object."""
-    return _affine_point(geometry.to_object, instance, p)
-
-
-@device
-def to_object_vector(geometry, instance, d):
-    """A direction of the world in the space of an instance's object."""
-    return _affine_vector(geometry.to_object, instance, d)
-
-
-@device
-def to_world_point(geometry, instance, p):
-    """A point of an instance's object in the world."""
-    return _affine_point(geometry.to_world, instance, p)
-
-
-@device
-def to_world_vector(geometry, instance, d):
-    """A direction of an instance's object in the world."""
-    return _affine_vector(geometry.to_world, instance, d)
 
 
 @device
 def _into_object(geometry, instance, origin, direction):
     if geometry.identity[instance] != 0:
         return origin, direction
-    return to_object_point(geometry, instance, origin), to_object_vector(geometry, instance, direction)
+    matrices = geometry.to_object
+    return affine_point(matrices, instance, origin), affine_vector(matrices, instance, direction)
 
 
 @device

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from isophote.kernels.accel.geometry import to_world_point, to_world_vector
+from isophote.kernels.accel.geometry import affine_point, affine_vector
 from isophote.kernels.accel.layout import BLOCK, LANES, NUMBER
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.simd import load_float, load_int
@@ -178,9 +178,10 @@ def surface_at(geometry, surfaces, hit):
         place = _pulled_in(a, b, c, w0, w1, w2, error / max(_reach(edge1), _reach(edge2)))
     else:
         error = surfaces.slack[instance]
-        edge1, edge2 = to_world_vector(geometry, instance, edge1), to_world_vector(geometry, instance, edge2)
+        matrices = geometry.to_world
+        edge1, edge2 = affine_vector(matrices, instance, edge1), affine_vector(matrices, instance, edge2)
         place = _pulled_in(a, b, c, w0, w1, w2, error / max(_reach(edge1), _reach(edge2)))
-        place = to_world_point(geometry, instance, place)
+        place = affine_point(geometry.to_world, instance, place)
     item = item_of(surfaces, instance, number)
     triangle = number - surfaces.items[item, FIRST_TRIANGLE]
     normal = _oriented_normal(geometry, surfaces, instance, item, a, b, c)

@@ -43,12 +43,10 @@ __all__ = [
     "lowest_bit",
     "maximum",
     "minimum",
-    "prefetch",
     "select",
     "splat4",
     "splat8",
     "splat16",
-    "square_root",
     "store4",
     "store8",
     "store16",
@@ -158,20 +156,6 @@ load4, store4 = _loader(f32x4, ir.VectorType(_F32, 4)), _storer(f32x4, ir.Vector
 # type: tables of nodes hold floats and integers side by side. No wrap-around of negative indices.
 load_float, store_float = _loader(types.float32, _F32), _storer(types.float32, _F32)
 load_int, store_int = _loader(types.int32, _I32), _storer(types.int32, _I32)
-
-
-@intrinsic
-def prefetch(typingctx, array, index):
-    """Ask for the cache line of `array[index]` before it is needed."""
-
-    def codegen(context, builder, signature, args):
-        pointer = _address(context, builder, signature.args[0], *args, _I8)
-        kind = ir.FunctionType(ir.VoidType(), [_I8.as_pointer(), _I32, _I32, _I32])
-        function = cgutils.get_or_insert_function(builder.module, kind, "llvm.prefetch.p0")
-        builder.call(function, [pointer, _I32(0), _I32(3), _I32(1)])
-        return context.get_dummy_value()
-
-    return types.void(array, types.intp), codegen
 
 
 # --- making and taking apart ----------------------------------------------------------------------
@@ -356,24 +340,19 @@ def _triples(first: int, second: int):
 triples, swap_triples = _triples(0, 4), _triples(4, 0)
 
 
-def _unary(name: str):
-    @intrinsic
-    def operation(typingctx, a):
-        if not _is_vector(a):
-            return None
+@intrinsic
+def absolute(typingctx, a):
+    """Lane by lane, |a|."""
+    if not _is_vector(a):
+        return None
 
-        def codegen(context, builder, signature, args):
-            vector = args[0].type
-            kind = ir.FunctionType(vector, [vector])
-            function = cgutils.get_or_insert_function(builder.module, kind, f"llvm.{name}.v{a.lanes}f32")
-            return builder.call(function, args)
+    def codegen(context, builder, signature, args):
+        vector = args[0].type
+        kind = ir.FunctionType(vector, [vector])
+        function = cgutils.get_or_insert_function(builder.module, kind, f"llvm.fabs.v{a.lanes}f32")
+        return builder.call(function, args)
 
-        return a(a), codegen
-
-    return operation
-
-
-absolute, square_root = _unary("fabs"), _unary("sqrt")
+    return a(a), codegen
 
 
 @intrinsic
