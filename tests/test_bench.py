@@ -1,0 +1,106 @@
+"""The benchmarks run by hand; here with tiny sizes, those with a peer only where it is installed."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from importlib.util import find_spec
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+BENCH = Path(__file__).parents[1] / "bench"
+TINY_RAYS = ("--size", "16", "--rounds", "1")
+
+needs_embree = pytest.mark.skipif(find_spec("embreex") is None, reason="embreex is not installed")
+needs_mitsuba = pytest.mark.skipif(find_spec("mitsuba") is None, reason="mitsuba is not installed")
+
+
+def output_of(script: str, *arguments: str) -> str:
+    """What `python bench/SCRIPT ARGUMENTS` prints."""
+    run = subprocess.run(
+        [sys.executable, BENCH / script, *arguments], capture_output=True, text=True, check=True, timeout=600
+    )
+    return run.stdout
+
+
+def cells(output: str, row: str) -> list[str]:
+    """The cells of a table's row, by the text of its first cell."""
+    found = re.search(rf"^\| {re.escape(row)} \|(.*)\|$", output, re.MULTILINE)
+    assert found is not None, output
+    return [cell.strip() for cell in found[1].split("|")]
+
+
+def test_every_script_says_what_it_does() -> None:
+    scripts = [path for path in BENCH.glob("*.py") if 'if __name__ == "__main__":' in path.read_text()]
+    assert len(scripts) >= 7
+    for path in scripts:
+        assert f"python bench/{path.name}" in path.read_text()
+
+
+def test_spheres_are_closed_and_face_outward(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(BENCH))
+    from common import bumpy_sphere, geodesic_sphere
+
+    for frequency in (1, 2, 5):
+        for points, triangles in (geodesic_sphere(frequency), bumpy_sphere(frequency)):
+            assert (len(points), len(triangles)) == (10 * frequency**2 + 2, 20 * frequency**2)
+            edges = {tuple(edge) for k in range(3) for edge in np.roll(triangles, k, axis=1)[:, :2].tolist()}
+            assert len(edges) == 3 * len(triangles)
+            assert all((b, a) in edges for a, b in edges)
+            assert (np.linalg.det(points[triangles].astype(float)) > 0).all()
+
+
+def test_threads() -> None:
+    output = output_of("threads.py", *TINY_RAYS, "--frequency", "4", "--samples", "1")
+    assert float(cells(output, "PathTrace, Cornell box")[2]) > 0
+
+
+def test_startup() -> None:
+    output = output_of("startup.py", "--rounds", "1", "--first-rounds", "0", "--size", "8", "--samples", "1")
+    assert float(cells(output, "`import isophote`")[2]) > 0
+
+
+def test_nothing_escapes() -> None:
+    output = output_of("watertight.py", "--rays", "20000", "--frequency", "8")
+    assert "Escaped in all: 0" in output
+    assert len(re.findall(r"\| 0 of 2,500 \|", output)) == 8
+
+
+def test_a_hole_lets_rays_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(BENCH))
+    import isophote as iso
+    import watertight
+
+    whole = watertight.meshes(8)["torus"]()
+    tracer = iso.Tracer(iso.Mesh(whole.vertices, whole.triangles[1:]))
+    rays = watertight.random_rays(whole, 20_000, np.random.default_rng(1))
+    for query in watertight._QUERIES:
+        assert 0 < watertight.escapes(tracer, query, rays) < 2000
+
+
+@needs_embree
+def test_rays() -> None:
+    output = output_of("rays.py", *TINY_RAYS, "--meshes", "70k")
+    assert output.count("| 70k |") == 3 * 6 + 3
+
+
+@needs_embree
+def test_build() -> None:
+    output = output_of("build.py", "--rounds", "1", "--frequency", "8")
+    assert float(cells(output, "tree (nodes and leaf blocks)")[0]) > 0
+
+
+@needs_mitsuba
+def test_packets() -> None:
+    output = output_of("packets.py", *TINY_RAYS, "--frequency", "4")
+    assert "name another triangle for 0." in output
+
+
+@needs_mitsuba
+def test_path_trace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path))
+    output = output_of("path_trace.py", *TINY_RAYS, "--samples", "16", "--scenes", "bumpy20")
+    assert "Isophote, whole call" in output
