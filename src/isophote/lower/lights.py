@@ -38,69 +38,79 @@ def rectangle_mesh(light: RectLight) -> Mesh:
 
 
 class LightTable:
-    """Collects lights row by row."""
+    """Collects lights, many rows at a time."""
 
     def __init__(self) -> None:
-        self._kinds: list[int] = []
-        self._rows: list[list[float]] = []
-        self._power: list[float] = []
-        self._numbers: list[int] = []
+        self._kinds: list[npt.NDArray[np.int32]] = []
+        self._rows: list[Points] = []
+        self._power: list[npt.NDArray[np.float64]] = []
+        self._numbers: list[npt.NDArray[np.int32]] = []
+        self._count = 0
         self._constant = np.zeros(3)
         self._picture: Environment | None = None
 
-    def _add(self, kind: int, power: float, number: int = -1, **fields: Any) -> int:
-        columns = {"place": 0, "edge1": 3, "edge2": 6, "normal": 9, "radiance": 12}
-        row = np.zeros(_COLUMNS)
-        for name, column in columns.items():
-            row[column : column + 3] = fields.get(name, (0, 0, 0))
-        row[15:18] = fields.get("area", 0), fields.get("two_sided", 0), fields.get("radius", 0)
-        self._kinds.append(kind)
-        self._rows.append(row.tolist())
-        self._power.append(power)
-        self._numbers.append(number)
-        return len(self._kinds) - 1
+    def _add(self, kind: int, power: npt.ArrayLike, number: int = -1, **fields: Any) -> int:
+        """Lights of one kind, as many as there are powers; fields are one row for each or one for all.
+
+        Returns the number of the first.
+        """
+        powers = np.atleast_1d(np.asarray(power, np.float64))
+        count = len(powers)
+        rows = np.zeros((count, _COLUMNS))
+        for name, column in {"place": 0, "edge1": 3, "edge2": 6, "normal": 9, "radiance": 12}.items():
+            rows[:, column : column + 3] = fields.get(name, 0)
+        for name, column in {"area": 15, "two_sided": 16, "radius": 17}.items():
+            rows[:, column] = fields.get(name, 0)
+        self._kinds.append(np.full(count, kind, np.int32))
+        self._rows.append(rows)
+        self._power.append(powers)
+        self._numbers.append(np.full(count, number, np.int32))
+        first = self._count
+        self._count += count
+        return first
 
     def add_mesh(self, mesh: Mesh, matrix: Points, radiance: Colour, two_sided: bool) -> npt.NDArray[np.int32]:
         """The lights that a shining mesh is made of; for each of its triangles, the number of its light.
 
-        A face that is a parallelogram is one light, any other one light a triangle.
+        A face that is a parallelogram is one light, any other one light a triangle; -1 where there is no area.
         """
         cut = triangulate(mesh)
         points = mesh.vertices @ matrix[:3, :3].T + matrix[:3, 3]
         sign = -1.0 if np.linalg.det(matrix[:3, :3]) < 0 else 1.0
-        numbers = np.full(len(cut.triangles), -1, np.int32)
-        offsets = mesh.offsets
-        known: dict[int, int] = {}
-        for t, face in enumerate(cut.face.tolist()):
-            if face in known:
-                numbers[t] = known[face]
-                continue
-            corners = points[mesh.indices[offsets[face] : offsets[face + 1]]]
-            if len(corners) == 4 and _is_parallelogram(corners):
-                known[face] = numbers[t] = self._flat(corners[[0, 1, 3]], 1.0, sign, radiance, two_sided)
-            else:
-                numbers[t] = self._flat(points[cut.triangles[t]], 0.5, sign, radiance, two_sided)
-        return numbers
+        faces, corners = _parallelograms(mesh, points)
+        of_face = np.full(mesh.face_count, -1, np.int64)
+        of_face[faces] = self._flat(corners, 1.0, sign, radiance, two_sided)
+        whole = np.zeros(mesh.face_count, bool)
+        whole[faces] = True
+        alone = ~whole[cut.face]
+        numbers = of_face[cut.face]
+        numbers[alone] = self._flat(points[cut.triangles[alone]], 0.5, sign, radiance, two_sided)
+        return numbers.astype(np.int32)
 
-    def _flat(self, corners: Points, part: float, sign: float, radiance: Colour, two_sided: bool) -> int:
-        """A triangle (`part` ½) or parallelogram (1) over two edges from the first corner; −1 without area."""
-        edge1, edge2 = corners[1] - corners[0], corners[2] - corners[0]
+    def _flat(
+        self, corners: Points, part: float, sign: float, radiance: Colour, two_sided: bool
+    ) -> npt.NDArray[np.int64]:
+        """Triangles (`part` ½) or parallelograms (1) over two edges from the first of `corners` (n, 3, 3).
+
+        Returns their numbers, −1 for those without area.
+        """
+        edge1, edge2 = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
         normal = np.cross(edge1, edge2)
-        size = float(np.linalg.norm(normal))
-        if size == 0:
-            return -1
-        area = part * size
-        return self._add(
+        size = np.linalg.norm(normal, axis=1)
+        real = size > 0
+        area = part * size[real]
+        first = self._add(
             emitter.PARALLELOGRAM if part == 1.0 else emitter.TRIANGLE,
             math.pi * area * float(_LUMINANCE @ radiance) * (2 if two_sided else 1),
-            place=corners[0],
-            edge1=edge1,
-            edge2=edge2,
-            normal=sign * normal / size,
+            place=corners[real, 0],
+            edge1=edge1[real],
+            edge2=edge2[real],
+            normal=sign * normal[real] / size[real, None],
             radiance=radiance,
             area=area,
             two_sided=two_sided,
         )
+        return np.where(real, first + np.cumsum(real) - 1, -1)
 
     def add(self, light: Light, reach: float, number: int) -> None:
         """A light other than a rectangle, with its number for the user; `reach` is the radius of the scene, by which
@@ -148,21 +158,27 @@ class LightTable:
         environment, power = _lower_environment(self._constant, self._picture)
         if self._picture is not None:
             self._add(emitter.ENVIRONMENT, math.pi * reach**2 * power)
-        kinds = np.array(self._kinds, np.int32)
+        kinds = np.concatenate([np.zeros(0, np.int32), *self._kinds])
         lamps = np.flatnonzero((kinds == emitter.DISK) | (kinds == emitter.SPHERE))
         return LIGHTS.pack(
             kinds=kinds,
-            values=np.array(self._rows, np.float32).reshape(-1, _COLUMNS),
-            cdf=_cumulative(np.array(self._power)),
+            values=np.concatenate([np.zeros((0, _COLUMNS)), *self._rows]).astype(np.float32),
+            cdf=_cumulative(np.concatenate([np.zeros(0), *self._power])),
             lamps=lamps.astype(np.int32),
-            numbers=np.array(self._numbers, np.int32),
+            numbers=np.concatenate([np.zeros(0, np.int32), *self._numbers]),
             environment=environment,
         )
 
 
-def _is_parallelogram(p: Points) -> bool:
-    size = max(float(np.linalg.norm(p[2] - p[0])), float(np.linalg.norm(p[3] - p[1])))
-    return float(np.linalg.norm(p[0] + p[2] - p[1] - p[3])) <= _FLAT * size
+def _parallelograms(mesh: Mesh, points: Points) -> tuple[npt.NDArray[np.int64], Points]:
+    """Faces that are parallelograms, and three corners of each, (n, 3, 3): the first and its two neighbours."""
+    quads = np.flatnonzero(mesh.face_sizes == 4)
+    p = points[mesh.indices[mesh.offsets[quads, None] + np.arange(4)]]
+    diagonals = np.stack([p[:, 2] - p[:, 0], p[:, 3] - p[:, 1]])
+    size = np.linalg.norm(diagonals, axis=2).max(axis=0)
+    skew = np.linalg.norm(p[:, 0] + p[:, 2] - p[:, 1] - p[:, 3], axis=1)
+    chosen = skew <= _FLAT * size
+    return quads[chosen], p[chosen][:, [0, 1, 3]]
 
 
 def _cumulative(power: npt.NDArray[np.float64]) -> npt.NDArray[np.float32]:

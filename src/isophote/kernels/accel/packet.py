@@ -65,7 +65,8 @@ __all__ = [
 ]
 
 # Rows of a packet's scratch, PACKET words each. What is found so far stands in LIMIT (t), WEIGHT1, WEIGHT2 and SLOT.
-ORIGINS, DIRECTIONS, LIMIT, WEIGHT1, WEIGHT2, SLOT, _SHEARS = 0, 3, 6, 7, 8, 9, 10
+# NumPy integers: Numba would compile what takes a plain constant anew for each of its values.
+ORIGINS, DIRECTIONS, LIMIT, WEIGHT1, WEIGHT2, SLOT, _SHEARS = (np.int64(row) for row in (0, 3, 6, 7, 8, 9, 10))
 
 
 _ZERO, _ONE = np.float32(0), np.float32(1)

@@ -44,7 +44,9 @@ TRIANGLE, PARALLELOGRAM, DISK, SPHERE, POINT, SUN, ENVIRONMENT = 0, 1, 2, 3, 4, 
 
 # Columns of `Lights.values`: a place, two edges, the unit normal, radiance (point: intensity, sun: irradiance), the
 # area, 1 for two sides, the radius of a sphere.
-_PLACE, _EDGE1, _EDGE2, _NORMAL, _RADIANCE, _AREA, _TWO_SIDED, _RADIUS = 0, 3, 6, 9, 12, 15, 16, 17
+_PLACE, _EDGE1, _EDGE2, _NORMAL, _RADIANCE, _AREA, _TWO_SIDED, _RADIUS = (
+    np.int64(column) for column in (0, 3, 6, 9, 12, 15, 16, 17)
+)
 
 _ZERO, _ONE, _TWO = np.float32(0), np.float32(1), np.float32(2)
 _FAR = np.float32(np.inf)

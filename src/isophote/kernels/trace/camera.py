@@ -11,10 +11,15 @@ length 1, so that the distance t along it is the depth.
 
 from __future__ import annotations
 
+import numpy as np
+
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.vec import vec3
 
 __all__ = ["camera_ray"]
+
+# NumPy integers: Numba would compile what takes a plain constant anew for each of its values.
+_O, _OX, _OY, _OA, _OB, _D, _DX, _DY, _DA, _DB = (np.int64(row) for row in range(10))
 
 
 @device
@@ -25,8 +30,8 @@ def _row(camera, k):
 @device
 def camera_ray(camera, px, py, a, b):
     """(origin, direction) for a place on the film and one on the lens."""
-    origin = _row(camera, 0) + px * _row(camera, 1) + py * _row(camera, 2) + a * _row(camera, 3) + b * _row(camera, 4)
-    direction = (
-        _row(camera, 5) + px * _row(camera, 6) + py * _row(camera, 7) + a * _row(camera, 8) + b * _row(camera, 9)
-    )
+    on_lens = a * _row(camera, _OA) + b * _row(camera, _OB)
+    bent = a * _row(camera, _DA) + b * _row(camera, _DB)
+    origin = _row(camera, _O) + px * _row(camera, _OX) + py * _row(camera, _OY) + on_lens
+    direction = _row(camera, _D) + px * _row(camera, _DX) + py * _row(camera, _DY) + bent
     return origin, direction
