@@ -29,13 +29,13 @@ def works(frequency: int, size: int, samples: int) -> dict[str, Callable[[int], 
     mesh = iso.Mesh(*bumpy_sphere(frequency))
     tracers = {count: iso.Tracer(mesh, threads=count) for count in (1, 2)}
     camera, inside = camera_rays(size), inside_rays(size**2)
-    scene, method, pixels = isophote_scene(cornell_box()), iso.PathTrace(samples=samples), (size // 2, size // 2)
+    scene, method = isophote_scene(cornell_box()), iso.PathTrace(samples=samples)
     return {
         "Tracer.closest, camera rays": lambda n: lambda: tracers[n].closest(*camera),
         "Tracer.closest, camera rays, coherent": lambda n: lambda: tracers[n].closest(*camera, coherent=True),
         "Tracer.closest, rays from inside": lambda n: lambda: tracers[n].closest(*inside),
         "Tracer.occluded, rays from inside": lambda n: lambda: tracers[n].occluded(*inside),
-        "PathTrace, Cornell box": lambda n: lambda: iso.render(scene, method, size=pixels, threads=n),
+        "PathTrace, Cornell box": lambda n: lambda: iso.render(scene, method, size=(size // 4, size // 4), threads=n),
     }
 
 
@@ -43,7 +43,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--frequency", type=int, default=224, help="20 f² triangles")
-    parser.add_argument("--size", type=int, default=1024, help="rays are size × size, the picture is half as wide")
+    parser.add_argument("--size", type=int, default=1024, help="rays are size × size, the picture is a quarter as wide")
     parser.add_argument("--samples", type=int, default=64)
     options = parser.parse_args(arguments)
     print_machine()
