@@ -20,7 +20,8 @@ def save(thing: object, path: StrPath, **options: object) -> None:
 
     A `Mesh` goes to .ply, .stl, .obj, .off, .glb and .gltf, and with a further .gz packed by gzip. Options by name:
     `binary` (PLY and STL, true by default), `endian` (PLY, "little" or "big"). A `Scene` goes to .glb and .gltf, with
-    its materials, textures, camera, point lights and suns; an `Image` to .png, .exr and other endings of pictures.
+    its materials, textures, camera, point lights and suns, and to .obj with .mtl and .png beside it; an `Image` to
+    .png, .exr and other endings of pictures.
 
     Raises `FileError` for endings that are not known for this thing, for what the format cannot hold
     and where the file cannot be written. What a format merely has no place for is left out, with an

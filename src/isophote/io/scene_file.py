@@ -10,6 +10,7 @@ from isophote.io.gltf.read import read_gltf_scene
 from isophote.io.gltf.write import write_gltf_scene
 from isophote.io.mesh_file import load_mesh
 from isophote.io.obj_scene import read_obj_scene
+from isophote.io.obj_scene_write import write_obj_scene
 from isophote.io.source import read_source
 from isophote.scene.scene import Item, Scene
 
@@ -41,12 +42,16 @@ def load_scene(path: StrPath, *, strict: bool = False) -> Scene:
 
 
 def save_scene(scene: Scene, path: StrPath, **options: object) -> None:
-    """Write a scene as .glb or .gltf, which have no options; see `isophote.save`."""
+    """Write a scene as .glb, .gltf or .obj, which have no options; see `isophote.save`."""
     if options:
         raise FileError(path, f"scenes are written without options, but {', '.join(options)} is given")
-    if _ending(Path(path)) not in _GLTF or Path(path).suffix.lower() == ".gz":
-        raise FileError(path, f"a scene cannot be written with this ending; use one of {', '.join(_GLTF)}")
-    write_gltf_scene(path, scene)
+    ending = Path(path).suffix.lower()
+    if ending in _GLTF:
+        write_gltf_scene(path, scene)
+    elif ending == ".obj":
+        write_obj_scene(path, scene)
+    else:
+        raise FileError(path, f"a scene cannot be written with this ending; use one of {', '.join(_GLTF)}, .obj")
 
 
 def _ending(file: Path) -> str:

@@ -4,27 +4,23 @@ from __future__ import annotations
 
 import math
 import warnings
-from io import BytesIO
 from os import fspath
 from typing import Any, TypeAlias
 
 import attrs
-import numpy as np
-import numpy.typing as npt
-from PIL import Image as Pillow
 
 from isophote.errors import IsophoteWarning
 from isophote.io.files import StrPath
 from isophote.io.gltf.build import Builder
 from isophote.io.gltf.material import MARK
-from isophote.scene.colour import Colour, linear_to_srgb, srgb_to_linear
+from isophote.io.texture_png import encode_texture, is_exact
+from isophote.scene.colour import Colour
 from isophote.scene.material import Emitter, Glass, Material, Matte, Mirror, Principled
 from isophote.scene.texture import Texture
 
 __all__ = ["MaterialWriter"]
 
 Json: TypeAlias = dict[str, Any]
-Pixels: TypeAlias = npt.NDArray[Any]
 
 _WRAPS = {"repeat": 10497, "clamp": 33071, "mirror": 33648}
 _FILTERS = {"bilinear": 9729, "nearest": 9728}
@@ -114,18 +110,14 @@ class MaterialWriter:
         return self._textures[texture, space]
 
     def _png(self, texture: Texture, space: str) -> bytes:
-        pixels = texture.pixels
-        if pixels.dtype != np.uint8 or texture.colour_space != space:
+        if not is_exact(texture, space):
             name = f'the texture "{texture.name}"' if texture.name else "a texture"
             warnings.warn(
                 f"{fspath(self.path)}: {name} becomes 8-bit {space}, which glTF wants here",
                 IsophoteWarning,
                 stacklevel=6,
             )
-            pixels = _as_bytes(texture, space)
-        buffer = BytesIO()
-        Pillow.fromarray(pixels[..., 0] if pixels.shape[2:] == (1,) else pixels).save(buffer, "PNG")
-        return buffer.getvalue()
+        return encode_texture(texture, space)
 
 
 def _nearest(material: Matte | Mirror | Emitter) -> Principled:
@@ -136,12 +128,3 @@ def _nearest(material: Matte | Mirror | Emitter) -> Principled:
     if isinstance(material.colour, Texture):
         return Principled(1.0, roughness=1.0, colour_texture=material.colour, two_sided=True)
     return Principled(material.colour, roughness=1.0, two_sided=True)
-
-
-def _as_bytes(texture: Texture, space: str) -> Pixels:
-    """The pixels at 8 bits in another colour space; a fourth channel has none."""
-    given = texture.pixels if texture.pixels.ndim == 3 else texture.pixels[..., None]
-    values = np.clip(given / (255.0 if given.dtype == np.uint8 else 1.0), 0.0, 1.0)
-    if texture.colour_space != space:
-        values[..., :3] = (linear_to_srgb if space == "srgb" else srgb_to_linear)(values[..., :3])
-    return np.floor(values * 255.0 + 0.5).astype(np.uint8)

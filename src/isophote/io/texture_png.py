@@ -1,0 +1,39 @@
+"""Textures as PNG files, for scene files that hold pictures."""
+
+from __future__ import annotations
+
+from io import BytesIO
+from typing import Any, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+from PIL import Image as Pillow
+
+from isophote.scene.colour import linear_to_srgb, srgb_to_linear
+from isophote.scene.texture import Texture
+
+__all__ = ["encode_texture", "is_exact"]
+
+Pixels: TypeAlias = npt.NDArray[Any]
+
+
+def is_exact(texture: Texture, space: str) -> bool:
+    """Whether a PNG in this colour space, "srgb" or "linear", holds the texture's very pixels."""
+    return texture.pixels.dtype == np.uint8 and texture.colour_space == space
+
+
+def encode_texture(texture: Texture, space: str) -> bytes:
+    """The bytes of a PNG with the texture's pixels, at 8 bits in the colour space."""
+    pixels = texture.pixels if is_exact(texture, space) else _as_bytes(texture, space)
+    buffer = BytesIO()
+    Pillow.fromarray(pixels[..., 0] if pixels.shape[2:] == (1,) else pixels).save(buffer, "PNG")
+    return buffer.getvalue()
+
+
+def _as_bytes(texture: Texture, space: str) -> Pixels:
+    """The pixels at 8 bits in another colour space; a fourth channel has none."""
+    given = texture.pixels if texture.pixels.ndim == 3 else texture.pixels[..., None]
+    values = np.clip(given / (255.0 if given.dtype == np.uint8 else 1.0), 0.0, 1.0)
+    if texture.colour_space != space:
+        values[..., :3] = (linear_to_srgb if space == "srgb" else srgb_to_linear)(values[..., :3])
+    return np.floor(values * 255.0 + 0.5).astype(np.uint8)
