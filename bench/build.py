@@ -4,8 +4,8 @@
 
 Ours runs from float32 positions and int32 triangles to the finished tree, checks of the input included. embreex copies
 the mesh in a slow loop and builds in the first query: both together, and the building alone, are told. Memory: what
-the tree takes, and what Python holds after a `Tracer` of a one-mesh scene was made, as tracemalloc counts it (mesh,
-tables and tree; the arrays that the mesh was made from are not counted).
+the tree takes, and what Python holds after a `Tracer` of a one-mesh scene was made, as tracemalloc counts it: mesh,
+tables and tree. The goal is for these together; what is needed for a moment while they are made is told beside it.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from isophote.lower.tree_statistics import tree_statistics
 from peers import commit, embree_scene
 
 GOAL_SECONDS, GOAL_BYTES = 0.35, 120
+HELD = "mesh, tables and tree"
 
 
 def build_times(positions: Floats, triangles: Ints, rounds: int) -> dict[str, Times]:
@@ -53,7 +54,8 @@ def memory(positions: Floats, triangles: Ints) -> list[tuple[str, float]]:
     tree = tree_statistics(build_triangles(positions, triangles)).bytes
     gc.collect()
     tracemalloc.start()
-    mesh = iso.Mesh(positions, triangles)
+    # A mesh may keep what it is given without a copy; it counts all the same.
+    mesh = iso.Mesh(positions.copy(), triangles.copy())
     of_mesh = tracemalloc.get_traced_memory()[0]
     tracer = iso.Tracer(mesh)
     gc.collect()
@@ -64,7 +66,7 @@ def memory(positions: Floats, triangles: Ints) -> list[tuple[str, float]]:
         "tree (nodes and leaf blocks)": tree,
         "all tables after lowering, tree included": held - of_mesh,
         "the mesh itself (float64 vertices, faces)": of_mesh,
-        "mesh, tables and tree": held,
+        HELD: held,
         "most while lowering": peak,
     }
     return [(name, count / len(triangles)) for name, count in figures.items()]
@@ -96,10 +98,11 @@ def main(arguments: Sequence[str] | None = None) -> None:
          "goal, s"),
         rows,
     )  # fmt: skip
-    print_table(
-        ("memory", "bytes a triangle", "goal"),
-        [[name, count, verdict(count, GOAL_BYTES, at_most=True)] for name, count in memory(positions, triangles)],
-    )
+    held = [
+        [name, count, verdict(count, GOAL_BYTES, at_most=True) if name == HELD else ""]
+        for name, count in memory(positions, triangles)
+    ]
+    print_table(("memory", "bytes a triangle", "goal"), held)
 
 
 if __name__ == "__main__":
