@@ -8,6 +8,7 @@ from isophote.errors import SceneError
 from isophote.kernels.base.table import Packed
 from isophote.kernels.trace.tables import SCENE
 from isophote.lower.geometry import Part, lower_geometry, parts_of
+from isophote.lower.latest import Latest
 from isophote.lower.lights import LightTable, rectangle_mesh
 from isophote.lower.materials import MaterialTable, emission_of
 from isophote.scene.light import RectLight
@@ -17,15 +18,28 @@ from isophote.scene.scene import Scene
 __all__ = ["lower_scene"]
 
 
+_latest = Latest()
+
+
 def lower_scene(scene: Scene, size: tuple[int, int], threads: int | None = None) -> Packed:
     """The tables of `scene` for a picture of `size` (width, height).
 
     Items are numbered as they stand in the scene; area lights go on from there, in their order among the lights.
-    Raises `SceneError` for a scene without items that can be drawn, or without a camera.
+    Tables of the scene lowered last are used again where only the camera or the size differ. Raises `SceneError` for a
+    scene without items that can be drawn, or without a camera.
     """
     if scene.camera is None:
         raise SceneError("the scene has no camera; give Scene(camera=...) or use isophote.studio(scene)")
     camera = np.stack(scene.camera.linear_map(size)).astype(np.float32)
+    tables = _latest.find(scene)
+    if tables is None:
+        tables = _tables(scene, threads)
+        _latest.keep(scene, tables)
+    return SCENE.pack(**tables, camera=camera)
+
+
+def _tables(scene: Scene, threads: int | None) -> dict[str, Packed]:
+    """All tables but the camera's."""
     materials, lights = MaterialTable(), LightTable()
     parts = _parts(scene, materials, lights)
     if not parts:
@@ -36,14 +50,13 @@ def lower_scene(scene: Scene, size: tuple[int, int], threads: int | None = None)
         if not isinstance(light, RectLight):
             lights.add(light, reach, number)
     material_table, textures = materials.build()
-    return SCENE.pack(
-        geometry=geometry,
-        surfaces=surfaces,
-        materials=material_table,
-        textures=textures,
-        lights=lights.build(reach),
-        camera=camera,
-    )
+    return {
+        "geometry": geometry,
+        "surfaces": surfaces,
+        "materials": material_table,
+        "textures": textures,
+        "lights": lights.build(reach),
+    }
 
 
 def _parts(scene: Scene, materials: MaterialTable, lights: LightTable) -> list[Part]:

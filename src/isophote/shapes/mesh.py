@@ -27,6 +27,22 @@ def _frozen(array: npt.NDArray[Any]) -> npt.NDArray[Any]:
     return view
 
 
+def _own(array: npt.NDArray[Any], dtype: npt.DTypeLike) -> npt.NDArray[Any]:
+    """The array in this type, copied if someone could still write to it."""
+    typed = np.ascontiguousarray(array, dtype)
+    return typed.copy() if _can_change(typed) else typed
+
+
+def _can_change(array: npt.NDArray[Any]) -> bool:
+    """Whether an array, or one that it is a view of, is writeable."""
+    base: object = array
+    while isinstance(base, np.ndarray):
+        if base.flags.writeable:
+            return True
+        base = base.base
+    return base is not None
+
+
 @attrs.frozen(eq=False)
 class Attribute:
     """Values at the vertices, or at the corners of the faces.
@@ -114,8 +130,8 @@ class Mesh:
         points = _points(vertices)
         _check_faces(len(points), indices, offsets)
         self._vertices = _frozen(points)
-        self._indices = _frozen(np.ascontiguousarray(indices, np.int32))
-        self._offsets = _frozen(np.ascontiguousarray(offsets, np.int64))
+        self._indices = _frozen(_own(indices, np.int32))
+        self._offsets = _frozen(_own(offsets, np.int64))
         checked = {name: _attribute(name, a, len(points), len(indices)) for name, a in attributes.items()}
         self._attributes: Mapping[str, Attribute] = MappingProxyType(checked)
         self._labels: Mapping[str, FaceLabels] = MappingProxyType(
@@ -277,7 +293,7 @@ def _points(vertices: npt.ArrayLike) -> npt.NDArray[np.float64]:
     if not finite.all():
         bad = int(np.argmin(finite))
         raise GeometryError(f"vertex {bad} is not finite: {given[bad].tolist()} ({int((~finite).sum())} such in all)")
-    return np.ascontiguousarray(given if given is not vertices else given.copy())
+    return _own(given, np.float64)
 
 
 def _check_faces(vertex_count: int, indices: IntArray, offsets: IntArray) -> None:
@@ -309,13 +325,13 @@ def _attribute(name: str, given: Attribute | npt.ArrayLike, vertices: int, corne
     if indices is None:
         if len(values) != vertices:
             raise GeometryError(f'attribute "{name}" has {len(values)} rows for {vertices} vertices')
-        return Attribute(_frozen(values))
+        return Attribute(_frozen(_own(values, values.dtype)))
     indices = _integers(indices)
     if len(indices) != corners:
         raise GeometryError(f'attribute "{name}" has {len(indices)} indices for {corners} corners')
     if indices.min() < -1 or indices.max() >= len(values):
         raise GeometryError(f'attribute "{name}" names rows outside 0 to {len(values) - 1}')
-    return Attribute(_frozen(values), _frozen(np.ascontiguousarray(indices, np.int32)))
+    return Attribute(_frozen(_own(values, values.dtype)), _frozen(_own(indices, np.int32)))
 
 
 def _checked_labels(name: str, labels: FaceLabels, faces: int) -> FaceLabels:
@@ -324,4 +340,4 @@ def _checked_labels(name: str, labels: FaceLabels, faces: int) -> FaceLabels:
         raise GeometryError(f'labels "{name}" have shape {index.shape} for {faces} faces')
     if index.min() < -1 or index.max() >= len(labels.names):
         raise GeometryError(f'labels "{name}" name entries outside 0 to {len(labels.names) - 1}')
-    return FaceLabels(tuple(labels.names), _frozen(np.ascontiguousarray(index, np.int32)))
+    return FaceLabels(tuple(labels.names), _frozen(_own(index, np.int32)))

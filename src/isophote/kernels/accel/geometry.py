@@ -78,45 +78,32 @@ def _into_object(geometry, instance, origin, direction):
 
 
 @device
+def _closest_in_instance(geometry, instance, origin, direction, best, scratch):
+    """`best`, or the nearer hit of an instance."""
+    o, d = _into_object(geometry, instance, origin, direction)
+    t, w1, w2, slot = closest_triangle(geometry.nodes, geometry.blocks, geometry.roots[instance], o, d, best.t, scratch)
+    return Hit(t, w1, w2, slot, instance) if slot >= 0 else best
+
+
+@device
 def closest_hit(geometry, origin, direction, t_max, scratch):
     """The first triangle at 0 < t < t_max; `scratch` is float32 of SCRATCH_WORDS."""
-    nodes, blocks = geometry.nodes, geometry.blocks
     best = Hit(t_max, _ZERO, _ZERO, np.int64(-1), np.int64(0))
+    # The stack of the upper tree lies behind that of the lower one. Where there is one instance there is no upper tree:
+    # code −2 is a leaf of the first one, and that is all.
     many = geometry.top_nodes.rows > 0
-    box = slabs(origin, direction)
-    # The stack of the upper tree lies behind that of the lower one.
     base = np.int64(SCRATCH)
     top = base
     node = np.int32(0) if many else np.int32(-2)
     while True:
         if node >= 0:
-            entered, near = enter_children(geometry.top_nodes, np.int64(node) * NODE, box, best.t)
-            store8(scratch, base + STACK, near)
-            bottom = top
-            while entered != 0:
-                k = np.int64(lowest_bit(entered))
-                entered &= entered - np.int32(1)
-                distance = load_float(scratch, base + STACK + k)
-                at = top
-                while at > bottom:
-                    above = load_float(scratch, at - 2)
-                    if above >= distance:
-                        break
-                    store_float(scratch, at, above)
-                    store_int(scratch, at + 1, load_int(scratch, at - 1))
-                    at -= 2
-                store_float(scratch, at, distance)
-                store_int(scratch, at + 1, load_int(geometry.top_nodes, np.int64(node) * NODE + CHILD + k))
-                top += 2
+            top = _push_instances(geometry, node, origin, direction, best.t, scratch, top)
         else:
             code = np.int64(-1) - np.int64(node)
             first = code >> 3
             for entry in range(first, first + (code & 7)):
                 instance = np.int64(geometry.top_items[entry]) if many else np.int64(0)
-                o, d = _into_object(geometry, instance, origin, direction)
-                t, w1, w2, slot = closest_triangle(nodes, blocks, geometry.roots[instance], o, d, best.t, scratch)
-                if slot >= 0:
-                    best = Hit(t, w1, w2, slot, instance)
+                best = _closest_in_instance(geometry, instance, origin, direction, best, scratch)
         while True:
             if top == base:
                 return best
@@ -127,31 +114,50 @@ def closest_hit(geometry, origin, direction, t_max, scratch):
 
 
 @device
+def _push_instances(geometry, node, origin, direction, t_max, scratch, top):
+    """Push the children of a node of the upper tree that the ray enters, the nearest last. Returns the new top."""
+    near_row = np.int64(SCRATCH + STACK)
+    nodes = geometry.top_nodes
+    entered, near = enter_children(nodes, np.int64(node) * NODE, slabs(origin, direction), t_max)
+    store8(scratch, near_row, near)
+    bottom = top
+    while entered != 0:
+        k = np.int64(lowest_bit(entered))
+        entered &= entered - np.int32(1)
+        distance = load_float(scratch, near_row + k)
+        at = top
+        while at > bottom:
+            above = load_float(scratch, at - 2)
+            if above >= distance:
+                break
+            store_float(scratch, at, above)
+            store_int(scratch, at + 1, load_int(scratch, at - 1))
+            at -= 2
+        store_float(scratch, at, distance)
+        store_int(scratch, at + 1, load_int(nodes, np.int64(node) * NODE + CHILD + k))
+        top += 2
+    return top
+
+
+@device
 def occluded(geometry, origin, direction, t_max, scratch):
     """Whether any triangle lies at 0 < t < t_max."""
-    nodes, blocks = geometry.nodes, geometry.blocks
     many = geometry.top_nodes.rows > 0
-    box = slabs(origin, direction)
     base = np.int64(SCRATCH)
     top = base
     node = np.int32(0) if many else np.int32(-2)
     while True:
         if node >= 0:
-            entered, _ = enter_children(geometry.top_nodes, np.int64(node) * NODE, box, t_max)
-            while entered != 0:
-                k = np.int64(lowest_bit(entered))
-                entered &= entered - np.int32(1)
-                store_int(scratch, top, load_int(geometry.top_nodes, np.int64(node) * NODE + CHILD + k))
-                top += 1
+            top = _push_instances(geometry, node, origin, direction, t_max, scratch, top)
         else:
             code = np.int64(-1) - np.int64(node)
             first = code >> 3
             for entry in range(first, first + (code & 7)):
                 instance = np.int64(geometry.top_items[entry]) if many else np.int64(0)
                 o, d = _into_object(geometry, instance, origin, direction)
-                if any_triangle(nodes, blocks, geometry.roots[instance], o, d, t_max, scratch):
+                if any_triangle(geometry.nodes, geometry.blocks, geometry.roots[instance], o, d, t_max, scratch):
                     return True
         if top == base:
             return False
-        top -= 1
-        node = load_int(scratch, top)
+        top -= 2
+        node = load_int(scratch, top + 1)

@@ -115,7 +115,7 @@ def _sample_flat(values, k, point, place):
     if values[k, _TWO_SIDED] != _ZERO:
         cosine = abs(cosine)
     # Nothing from behind, from the light's own plane, or from the place itself. No branch: it would be guessed wrong.
-    density = distance2 / (cosine * values[k, _AREA]) if (cosine > _ZERO and closeness < _FAR) else -_ONE
+    density = distance2 / (cosine * values[k, _AREA]) if (cosine > _ZERO) & (closeness < _FAR) else -_ONE
     return _arrives(direction, distance2 * closeness, _triple(values, k, _RADIANCE), density)
 
 

@@ -22,7 +22,14 @@ from isophote.kernels.light.emitter import closest_lamp, lamp_blocks
 from isophote.kernels.trace import wave as rows
 from isophote.kernels.trace.wave import add_radiance, row_vec3
 
-__all__ = ["LAMP", "blocked_rays", "trace_rays", "trace_shadow_rays", "trace_triangles"]
+__all__ = [
+    "LAMP",
+    "blocked_in_packets",
+    "closest_in_packets",
+    "in_packets",
+    "trace_rays",
+    "trace_shadow_rays",
+]
 
 # Slot of a hit that is a disk or sphere light, whose number stands in the place of the instance.
 LAMP = np.int64(-2)
@@ -34,7 +41,7 @@ _FEW_BLOCKS = 24
 
 
 @device
-def _in_packets(geometry, coherent):
+def in_packets(geometry, coherent):
     """Whether rays go in packets: where they go much the same way, or nearly every ray comes by every triangle."""
     return geometry.top_nodes.rows == 0 and (coherent or geometry.blocks.rows <= _FEW_BLOCKS * BLOCK)
 
@@ -89,7 +96,8 @@ def _store_hits(wave, first, last):
 
 
 @device
-def _closest_in_packets(geometry, wave, count):
+def closest_in_packets(geometry, wave, count):
+    """First triangle of every ray of the wave before the limit in its row HIT_T, sixteen rays at a time."""
     count0, count1 = _sort_by_axis(wave, rows.DIRECTION, count)
     start = np.int64(0)
     for axis in range(3):
@@ -114,18 +122,12 @@ def _closest_one_by_one(geometry, wave, count):
 
 
 @device
-def trace_triangles(geometry, wave, count, coherent):
-    """First triangle of every ray of the wave before the limit in its row HIT_T."""
-    if _in_packets(geometry, coherent):
-        _closest_in_packets(geometry, wave, count)
-    else:
-        _closest_one_by_one(geometry, wave, count)
-
-
-@device
 def trace_rays(scene, wave, count, coherent):
     """First hit of every path's ray, lamps included."""
-    trace_triangles(scene.geometry, wave, count, coherent)
+    if in_packets(scene.geometry, coherent):
+        closest_in_packets(scene.geometry, wave, count)
+    else:
+        _closest_one_by_one(scene.geometry, wave, count)
     if scene.lights.lamps.rows == 0:
         return
     floats, longs = wave.floats, wave.longs
@@ -149,7 +151,8 @@ def _light_arrives(scene, wave, i):
 
 
 @device
-def _blocked_in_packets(geometry, wave, count):
+def blocked_in_packets(geometry, wave, count):
+    """Whether each shadow ray of the wave meets a triangle before its end, 0 or 1 in its row BLOCKED."""
     count0, count1 = _sort_by_axis(wave, rows.SHADOW_DIRECTION, count)
     order, scratch = wave.longs[rows.ORDER], wave.scratch
     start = np.int64(0)
@@ -165,21 +168,16 @@ def _blocked_in_packets(geometry, wave, count):
 
 
 @device
-def blocked_rays(geometry, wave, count, coherent):
-    """Whether each shadow ray of the wave meets a triangle before its end, 0 or 1 in its row BLOCKED."""
-    if _in_packets(geometry, coherent):
-        _blocked_in_packets(geometry, wave, count)
-        return
-    floats = wave.floats
-    for i in range(count):
-        origin, direction = row_vec3(floats, rows.SHADOW_ORIGIN, i), row_vec3(floats, rows.SHADOW_DIRECTION, i)
-        wave.ints[rows.BLOCKED, i] = occluded(geometry, origin, direction, floats[rows.SHADOW_END, i], wave.scratch)
-
-
-@device
 def trace_shadow_rays(scene, wave, count, coherent):
     """Add the light of every shadow ray that nothing blocks."""
-    blocked_rays(scene.geometry, wave, count, coherent)
+    geometry, floats = scene.geometry, wave.floats
+    if in_packets(geometry, coherent):
+        blocked_in_packets(geometry, wave, count)
+        for i in range(count):
+            if wave.ints[rows.BLOCKED, i] == 0:
+                _light_arrives(scene, wave, i)
+        return
     for i in range(count):
-        if wave.ints[rows.BLOCKED, i] == 0:
+        origin, direction = row_vec3(floats, rows.SHADOW_ORIGIN, i), row_vec3(floats, rows.SHADOW_DIRECTION, i)
+        if not occluded(geometry, origin, direction, floats[rows.SHADOW_END, i], wave.scratch):
             _light_arrives(scene, wave, i)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from isophote.kernels.accel.geometry import Hit
+from isophote.kernels.accel.geometry import Hit, closest_hit, occluded
 from isophote.kernels.accel.surface import (
     FIRST_TRIANGLE,
     PUBLIC,
@@ -15,8 +15,9 @@ from isophote.kernels.accel.surface import (
 )
 from isophote.kernels.base.jit import device, kernel
 from isophote.kernels.base.table import BYTES, FLOAT_ROWS, FLOATS, INTS, Table
+from isophote.kernels.base.vec import vec3
 from isophote.kernels.trace import wave as rows
-from isophote.kernels.trace.batch import blocked_rays, trace_triangles
+from isophote.kernels.trace.batch import blocked_in_packets, closest_in_packets, in_packets
 from isophote.kernels.trace.tables import SCENE
 
 __all__ = ["QUERY", "closest_rays", "first_bad_ray", "hit_normals", "occluded_rays"]
@@ -95,36 +96,70 @@ def _write_miss(query, i):
     query.item[i] = query.primitive[i] = query.slot[i] = query.instance[i] = -1
 
 
-@kernel
-def closest_rays(scene_words, query_words, wave_words, first, last, coherent):
-    """The first hit of rays first ≤ i < last."""
-    scene, query, wave = open_scene(scene_words), open_query(query_words), open_wave(wave_words)
+@device
+def _row(values, i):
+    return vec3(values[i, 0], values[i, 1], values[i, 2])
+
+
+@device
+def _closest_one_by_one(scene, query, wave, first, last):
+    for i in range(first, last):
+        origin, direction = _row(query.origins, i), _row(query.directions, i)
+        hit = closest_hit(scene.geometry, origin, direction, query.limit[i], wave.scratch)
+        if hit.slot < 0:
+            _write_miss(query, i)
+        else:
+            _write(scene, query, i, hit)
+
+
+@device
+def _closest_in_packets(scene, query, wave, first, last):
     floats, longs = wave.floats, wave.longs
     size = floats.columns
     for start in range(first, last, size):
         count = min(size, last - start)
         _load(query, wave, start, count, rows.ORIGIN, rows.HIT_T)
-        trace_triangles(scene.geometry, wave, count, coherent)
+        closest_in_packets(scene.geometry, wave, count)
         for i in range(count):
             slot = longs[rows.HIT_SLOT, i]
             if slot < 0:
                 _write_miss(query, start + i)
             else:
                 w1, w2 = floats[rows.HIT_W1, i], floats[rows.HIT_W2, i]
-                _write(scene, query, start + i, Hit(floats[rows.HIT_T, i], w1, w2, slot, longs[rows.HIT_INSTANCE, i]))
+                _write(scene, query, start + i, Hit(floats[rows.HIT_T, i], w1, w2, slot, np.int64(0)))
+
+
+@kernel
+def closest_rays(scene_words, query_words, wave_words, first, last, coherent):
+    """The first hit of rays first ≤ i < last."""
+    scene, query, wave = open_scene(scene_words), open_query(query_words), open_wave(wave_words)
+    if in_packets(scene.geometry, coherent):
+        _closest_in_packets(scene, query, wave, first, last)
+    else:
+        _closest_one_by_one(scene, query, wave, first, last)
+
+
+@device
+def _blocked_in_packets(scene, query, wave, first, last):
+    size = wave.floats.columns
+    for start in range(first, last, size):
+        count = min(size, last - start)
+        _load(query, wave, start, count, rows.SHADOW_ORIGIN, rows.SHADOW_END)
+        blocked_in_packets(scene.geometry, wave, count)
+        for i in range(count):
+            query.blocked[start + i] = wave.ints[rows.BLOCKED, i]
 
 
 @kernel
 def occluded_rays(scene_words, query_words, wave_words, first, last, coherent):
     """Whether rays first ≤ i < last meet anything before their limit."""
     scene, query, wave = open_scene(scene_words), open_query(query_words), open_wave(wave_words)
-    size = wave.floats.columns
-    for start in range(first, last, size):
-        count = min(size, last - start)
-        _load(query, wave, start, count, rows.SHADOW_ORIGIN, rows.SHADOW_END)
-        blocked_rays(scene.geometry, wave, count, coherent)
-        for i in range(count):
-            query.blocked[start + i] = wave.ints[rows.BLOCKED, i]
+    if in_packets(scene.geometry, coherent):
+        _blocked_in_packets(scene, query, wave, first, last)
+        return
+    for i in range(first, last):
+        origin, direction = _row(query.origins, i), _row(query.directions, i)
+        query.blocked[i] = occluded(scene.geometry, origin, direction, query.limit[i], wave.scratch)
 
 
 @kernel

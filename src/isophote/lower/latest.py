@@ -1,0 +1,48 @@
+"""The scene lowered last, kept so that another view of it needs no new tree."""
+
+from __future__ import annotations
+
+import threading
+import weakref
+from typing import NamedTuple
+
+from isophote.kernels.base.table import Packed
+from isophote.scene.light import Light
+from isophote.scene.scene import Item, Scene
+
+__all__ = ["Latest"]
+
+
+class _Kept(NamedTuple):
+    items: tuple[weakref.ref[Item], ...]
+    lights: tuple[Light, ...]
+    tables: dict[str, Packed]
+
+
+class Latest:
+    """Tables of one scene. They are let go as soon as one of its items is: nothing is kept for nobody."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._kept: _Kept | None = None
+
+    def find(self, scene: Scene) -> dict[str, Packed] | None:
+        """The tables of a scene with the very same items and equal lights."""
+        with self._lock:
+            kept = self._kept
+        if kept is None or len(kept.items) != len(scene.items) or kept.lights != scene.lights:
+            return None
+        same = all(ref() is item for ref, item in zip(kept.items, scene.items, strict=True))
+        return kept.tables if same else None
+
+    def keep(self, scene: Scene, tables: dict[str, Packed]) -> None:
+        """Remember these tables instead of the last ones."""
+        items = tuple(weakref.ref(item, self._forget) for item in scene.items)
+        with self._lock:
+            self._kept = _Kept(items, scene.lights, tables)
+
+    def _forget(self, dead: weakref.ref[Item]) -> None:
+        # No lock: a collection may call this while one is held, and setting a name is atomic.
+        kept = self._kept
+        if kept is not None and any(dead is ref for ref in kept.items):
+            self._kept = None
