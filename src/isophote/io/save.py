@@ -6,8 +6,6 @@ from functools import singledispatch
 
 from isophote.errors import FileError
 from isophote.io.files import StrPath
-from isophote.io.mesh_file import save_mesh
-from isophote.io.scene_file import save_scene
 from isophote.scene.scene import Scene
 from isophote.shapes.mesh import Mesh
 
@@ -32,11 +30,16 @@ def save(thing: object, path: StrPath, **options: object) -> None:
 
 @save.register
 def _(thing: Mesh, path: StrPath, **options: object) -> None:
+    # Imported here, and below: who renders a picture needs no formats of meshes and scenes.
+    from isophote.io.mesh_file import save_mesh
+
     save_mesh(thing, path, **options)
 
 
 @save.register
 def _(thing: Scene, path: StrPath, **options: object) -> None:
+    from isophote.io.scene_file import save_scene
+
     save_scene(thing, path, **options)
 
 
