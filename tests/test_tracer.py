@@ -10,6 +10,7 @@ import pytest
 import isophote as iso
 from isophote.errors import RenderError
 from isophote.lower import geometry as lower_geometry
+from isophote.rendering.pool import Pool
 from scenes import box, icosphere, plane
 
 MODELS = Path(__file__).parents[1] / "../shared/models"
@@ -210,3 +211,18 @@ def test_items_faces_and_instances(monkeypatch):
             normal = outward @ item.transform.inverse().matrix[:3, :3]
             normal /= np.linalg.norm(normal, axis=1)[:, None]
             assert np.quantile((normal * hits.normal[on]).sum(axis=1), 0.02) > 0.999
+
+
+def test_a_tracer_answers_after_it_refused() -> None:
+    tracer = iso.Tracer(iso.Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)]))
+    with pytest.raises(RenderError, match="zero"):
+        tracer.closest([(0.2, 0.2, 1)], [(0, 0, 0)])
+    assert tracer.closest([(0.2, 0.2, 1)], [(0, 0, -1)]).distance.tolist() == [1]
+    assert tracer.occluded([(0.2, 0.2, 1)], [(0, 0, -1)]).tolist() == [True]
+
+
+def test_an_interrupt_while_tracing_is_not_swallowed(monkeypatch: pytest.MonkeyPatch) -> None:
+    tracer = iso.Tracer(iso.Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)]))
+    monkeypatch.setattr(Pool, "run", lambda pool, *_: pool.stop())
+    with pytest.raises(KeyboardInterrupt):
+        tracer.closest([(0.2, 0.2, 1)], [(0, 0, -1)])

@@ -41,8 +41,8 @@ def tiles_of(size: tuple[int, int], edge: int) -> list[Tile]:
 class Pool:
     """Threads that run jobs until all are done, time is up, or the user interrupts.
 
-    Kernels let go of the interpreter, so threads run side by side; a job that has begun is always finished, so that
-    what it wrote is whole.
+    A pool that was stopped, or in which a job failed, takes no more jobs. Kernels let go of the interpreter, so threads
+    run side by side; a job that has begun is always finished, so that what it wrote is whole.
     """
 
     def __init__(self, threads: int | None = None, deadline: float | None = None) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TypeAlias
 
 import attrs
@@ -10,7 +11,7 @@ import numpy.typing as npt
 
 from isophote.errors import RenderError
 from isophote.kernels.base.table import Packed
-from isophote.kernels.trace.rays import QUERY, closest_rays, first_bad_ray, hit_normals, occluded_rays
+from isophote.kernels.trace.rays import QUERY, closest_rays, hit_normals, occluded_rays
 from isophote.kernels.trace.wave import new_wave
 from isophote.lower.scene import lower_scene
 from isophote.rendering.pool import Pool
@@ -81,7 +82,7 @@ class Tracer:
         scene = (
             subject if isinstance(subject, Scene) else Scene([subject if isinstance(subject, Item) else Item(subject)])
         )
-        self._pool = Pool(threads)
+        self._threads = threads
         # The tables need some camera; rays do not.
         self._scene = lower_scene(Scene(scene.items, camera=Camera((0, 0, 1), (0, 0, 0))), (1, 1), threads)
 
@@ -144,21 +145,28 @@ class Tracer:
         return blocked.astype(bool)
 
     def _run(
-        self, kernel: object, rays: tuple[Floats, Floats, Floats], coherent: bool, **found: npt.NDArray[np.generic]
+        self,
+        kernel: Callable[..., tuple[int, int]],
+        rays: tuple[Floats, Floats, Floats],
+        coherent: bool,
+        **found: npt.NDArray[np.generic],
     ) -> None:
         origins, directions, limit = rays
         count = len(origins)
         query = QUERY.pack(origins=origins, directions=directions, limit=limit, **found)
-        kind, number = first_bad_ray(query.words, count)
-        if kind:
-            raise RenderError(_WRONG[kind].format(number=number))
-        waves = [new_wave(_WAVE) for _ in range(self._pool.threads)]
+        pool = Pool(self._threads)
+        waves = [new_wave(_WAVE) for _ in range(pool.threads)]
 
         def work(first: int, thread: int) -> None:
             last = min(first + _RAYS_A_JOB, count)
-            kernel(self._scene.words, query.words, waves[thread].words, first, last, coherent)  # type: ignore[operator]
+            kind, number = kernel(self._scene.words, query.words, waves[thread].words, first, last, coherent)
+            if kind:
+                raise RenderError(_WRONG[kind].format(number=number))
 
-        self._pool.run(work, range(0, count, _RAYS_A_JOB), lambda done: None)
+        pool.run(work, range(0, count, _RAYS_A_JOB), lambda done: None)
+        if pool.interrupted:
+            # Rays that were not traced have no answers, so there is nothing to give back.
+            raise KeyboardInterrupt
 
 
 def _rays(
@@ -168,7 +176,8 @@ def _rays(
     o, d = (_triples(name, values) for name, values in (("origins", origins), ("directions", directions)))
     try:
         o, d = np.broadcast_arrays(o, d)
-        limit = np.broadcast_to(np.asarray(max_distance, np.float32), len(o))
+        with np.errstate(over="ignore"):
+            limit = np.broadcast_to(np.asarray(max_distance, np.float32), len(o))
     except ValueError:
         raise RenderError(
             f"origins {o.shape}, directions {d.shape} and max_distance {np.shape(max_distance)} are not of one length"
@@ -177,7 +186,9 @@ def _rays(
 
 
 def _triples(name: str, values: npt.ArrayLike) -> Floats:
-    array = np.atleast_2d(np.asarray(values, np.float32))
+    # What is too large for single precision becomes infinite, and is refused as such.
+    with np.errstate(over="ignore"):
+        array = np.atleast_2d(np.asarray(values, np.float32))
     if array.ndim != 2 or array.shape[1] != 3:
         raise RenderError(f"{name} must have shape (n, 3), but have {np.shape(values)}")
     return array

@@ -20,7 +20,7 @@ from isophote.kernels.trace import wave as rows
 from isophote.kernels.trace.batch import blocked_in_packets, closest_in_packets, in_packets
 from isophote.kernels.trace.tables import SCENE
 
-__all__ = ["QUERY", "closest_rays", "first_bad_ray", "hit_normals", "occluded_rays"]
+__all__ = ["QUERY", "closest_rays", "hit_normals", "occluded_rays"]
 
 # Rays and what is found, one row each: `limit` is the largest distance in lengths of the direction; `slot` and
 # `instance` (−1: none) name the triangle for later questions.
@@ -46,13 +46,12 @@ _FAR = np.float32(np.inf)
 open_scene, open_query, open_wave = SCENE.open, QUERY.open, rows.WAVE.open
 
 
-@kernel
-def first_bad_ray(query_words, count):
+@device
+def _first_fault(query, first, last):
     """(kind, number) of the first ray that makes no sense: kind 1 an origin or 2 a direction that is not finite, 3 a
     direction that is zero or too short, 4 a limit that is NaN, 0 for none."""
-    query = open_query(query_words)
     o, d = query.origins, query.directions
-    for i in range(count):
+    for i in range(first, last):
         # x − x is 0 for finite x only.
         if (o[i, 0] - o[i, 0]) + (o[i, 1] - o[i, 1]) + (o[i, 2] - o[i, 2]) != 0:
             return 1, i
@@ -131,12 +130,17 @@ def _closest_in_packets(scene, query, wave, first, last):
 
 @kernel
 def closest_rays(scene_words, query_words, wave_words, first, last, coherent):
-    """The first hit of rays first ≤ i < last."""
+    """The first hit of rays first ≤ i < last. Returns (kind, number) of the first of them that makes no sense, without
+    tracing any: kind 1 origin, 2 direction, 3 its length, 4 limit, 0 where all are right."""
     scene, query, wave = open_scene(scene_words), open_query(query_words), open_wave(wave_words)
+    fault = _first_fault(query, first, last)
+    if fault[0] != 0:
+        return fault
     if in_packets(scene.geometry, coherent):
         _closest_in_packets(scene, query, wave, first, last)
     else:
         _closest_one_by_one(scene, query, wave, first, last)
+    return fault
 
 
 @device
@@ -152,14 +156,18 @@ def _blocked_in_packets(scene, query, wave, first, last):
 
 @kernel
 def occluded_rays(scene_words, query_words, wave_words, first, last, coherent):
-    """Whether rays first ≤ i < last meet anything before their limit."""
+    """Whether rays first ≤ i < last meet anything before their limit; returns as closest_rays does."""
     scene, query, wave = open_scene(scene_words), open_query(query_words), open_wave(wave_words)
+    fault = _first_fault(query, first, last)
+    if fault[0] != 0:
+        return fault
     if in_packets(scene.geometry, coherent):
         _blocked_in_packets(scene, query, wave, first, last)
-        return
+        return fault
     for i in range(first, last):
         origin, direction = _row(query.origins, i), _row(query.directions, i)
         query.blocked[i] = occluded(scene.geometry, origin, direction, query.limit[i], wave.scratch)
+    return fault
 
 
 @kernel
