@@ -7,7 +7,7 @@ import pytest
 from numba import njit
 
 from isophote.kernels.base.vec import normalise, store_vec3, vec3
-from isophote.kernels.base.warp import to_cone, to_disk, to_sphere, to_triangle
+from isophote.kernels.base.warp import to_cone, to_disk, to_triangle
 from isophote.kernels.light.bsdf import fresnel_dielectric, scatter_glass, scatter_matte
 from isophote.kernels.light.film import BOX, GAUSSIAN, TENT, filter_offset
 from statistics_of_samples import deviation
@@ -27,12 +27,6 @@ def disk(square, out):
 def triangle(square, out):
     for i in range(len(square)):
         out[i, 0], out[i, 1] = to_triangle(square[i, 0], square[i, 1])
-
-
-@njit(error_model="numpy")
-def sphere(square, out):
-    for i in range(len(square)):
-        store_vec3(out, 3 * i, to_sphere(square[i, 0], square[i, 1]))
 
 
 @njit(error_model="numpy")
@@ -96,15 +90,6 @@ def test_corners_and_centre_of_the_square_on_the_disk():
     disk(CORNERS, points)
     assert np.allclose(np.linalg.norm(points, axis=1), [1, 1, 1, 1, 0, 1, 1, 1, 1], atol=1e-6)
     assert points[4].tolist() == [0, 0]
-
-
-def test_sphere_is_covered_evenly():
-    points = np.zeros((COUNT, 3), np.float32)
-    sphere(SQUARE, points.reshape(-1))
-    assert np.abs(np.linalg.norm(points.astype(np.float64), axis=1) - 1).max() < 1e-6
-    cells = polar_cells(points, (points[:, 2] + 1) / 2, 16, 24)
-    assert cells.sum() == COUNT
-    assert deviation(cells, even(cells)) < 3.72
 
 
 @pytest.mark.parametrize("height", [1.0, 0.5, 0.01, 1e-6, 1e-12])

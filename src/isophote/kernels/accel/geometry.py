@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from isophote.kernels.accel.bvh import any_triangle, closest_triangle, enter_children, slabs
-from isophote.kernels.accel.layout import CHILD, NODE, SCRATCH, STACK
+from isophote.kernels.accel.layout import CHILD, NODE, PACKET_SCRATCH, SCRATCH, STACK
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.simd import load_float, load_int, lowest_bit, store8, store_float, store_int
 from isophote.kernels.base.table import BYTES, FLOAT_ROWS, FLOATS, INTS, Table
@@ -20,7 +20,8 @@ from isophote.kernels.base.vec import vec3
 
 __all__ = ["GEOMETRY", "SCRATCH_WORDS", "Hit", "affine_point", "affine_vector", "closest_hit", "occluded"]
 
-SCRATCH_WORDS = 2 * SCRATCH
+# Two stacks for a single ray, the upper tree's behind the lower one's, or one packet.
+SCRATCH_WORDS = max(2 * SCRATCH, PACKET_SCRATCH)
 
 _ZERO = np.float32(0)
 

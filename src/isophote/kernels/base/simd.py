@@ -56,7 +56,7 @@ __all__ = [
     "triples",
 ]
 
-_F32, _I32, _I8, _I1 = ir.FloatType(), ir.IntType(32), ir.IntType(8), ir.IntType(1)
+_F32, _I32, _I1 = ir.FloatType(), ir.IntType(32), ir.IntType(1)
 _CONTRACT = ("contract", "nsz")
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.vec import vec3
 
-__all__ = ["INV_PI", "PI", "to_cone", "to_disk", "to_sphere", "to_triangle"]
+__all__ = ["INV_PI", "PI", "to_cone", "to_disk", "to_triangle"]
 
 PI = np.float32(math.pi)
 INV_PI = np.float32(1 / math.pi)
@@ -42,15 +42,6 @@ def to_disk(u, v):
     sine, cosine = _sin_cos_octant(_QUARTER_PI * other / safe)
     along, across = radius * cosine, radius * sine
     return (along, across) if wide else (across, along)
-
-
-@device
-def to_sphere(u, v):
-    """Unit square to unit sphere, density 1/(4π)."""
-    z = _ONE - _TWO * u
-    r = math.sqrt(max(_ZERO, _ONE - z * z))
-    phi = _TWO * PI * v
-    return vec3(r * math.cos(phi), r * math.sin(phi), z)
 
 
 @device

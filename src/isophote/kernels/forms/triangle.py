@@ -27,7 +27,6 @@ __all__ = ["Shear", "hit_block", "shear"]
 
 _ZERO = np.float32(0)
 _ONE = np.float32(1)
-_DOUBLE_ZERO = np.float64(0)
 
 
 class Shear(NamedTuple):

@@ -17,7 +17,7 @@ from isophote.kernels.base.warp import PI
 
 __all__ = ["ENVIRONMENT", "environment_density", "environment_radiance", "sample_environment"]
 
-_ZERO, _HALF, _ONE, _TWO = np.float32(0), np.float32(0.5), np.float32(1), np.float32(2)
+_HALF, _ONE, _TWO = np.float32(0.5), np.float32(1), np.float32(2)
 _LEAST_SINE = np.float32(1e-6)
 
 

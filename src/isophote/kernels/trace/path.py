@@ -39,7 +39,7 @@ from isophote.kernels.trace.wave import add_radiance, row_vec3, set_row_vec3
 
 __all__ = ["path_trace_tile"]
 
-_ZERO, _ONE, _TWO = np.float32(0), np.float32(1), np.float32(2)
+_ZERO, _ONE = np.float32(0), np.float32(1)
 _FAR = np.float32(np.inf)
 # A shadow ray ends this much short of its light, in parts of its length, lest it meets the light itself.
 _SHADOW_END = np.float32(1 - 1e-4)
