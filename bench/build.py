@@ -19,8 +19,8 @@ import numpy as np
 
 import isophote as iso
 from common import Floats, Ints, Ratio, Times, bumpy_sphere, print_machine, print_table, timed, verdict
-from isophote.lower.tree import build_triangles
-from isophote.lower.tree_statistics import tree_statistics
+from isophote.accel.tree import build_triangles
+from isophote.accel.tree_statistics import tree_statistics
 from peers import commit, embree_scene
 
 GOAL_SECONDS, GOAL_BYTES = 0.35, 120

@@ -10,6 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import isophote
+from isophote.accel.tree import BOXES, TRIANGLES, build_boxes, build_triangles
+from isophote.accel.tree_statistics import tree_statistics
 from isophote.errors import GeometryError
 from isophote.kernels.accel.layout import (
     BLOCK,
@@ -17,8 +19,6 @@ from isophote.kernels.accel.layout import (
     MAX_DEPTH,
     NODE,
 )
-from isophote.lower.tree import BOXES, TRIANGLES, build_boxes, build_triangles
-from isophote.lower.tree_statistics import tree_statistics
 from trees import (
     GEOMETRIES,
     Geometry,

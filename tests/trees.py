@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from isophote.accel.tree import Tree
 from isophote.kernels.accel.bvh import any_triangle, closest_triangle
 from isophote.kernels.accel.layout import (
     BLOCK,
@@ -20,7 +21,6 @@ from isophote.kernels.accel.layout import (
     WIDTH,
 )
 from isophote.kernels.base.vec import vec3
-from isophote.lower.tree import Tree
 
 Geometry = tuple[np.ndarray, np.ndarray]
 

@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
+from isophote.accel.tree import build_triangles
+from isophote.accel.tree_statistics import tree_statistics
 from isophote.cli.facts import Facts, scene_facts
 from isophote.convert.triangulate import triangulate
 from isophote.kernels.base.table import Packed
 from isophote.lower.scene import lower_scene
-from isophote.lower.tree import build_triangles
-from isophote.lower.tree_statistics import tree_statistics
 from isophote.scene.camera import Camera
 from isophote.scene.scene import Item, Scene
 from isophote.shapes.mesh import Mesh

@@ -8,13 +8,13 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from isophote.accel.tree import Tree, build_boxes, build_triangles
 from isophote.convert.triangulate import Triangles, triangulate
 from isophote.errors import SceneError
 from isophote.kernels.accel.geometry import GEOMETRY
 from isophote.kernels.accel.layout import BLOCK, CHILD, NODE
 from isophote.kernels.accel.surface import SURFACES
 from isophote.kernels.base.table import Packed
-from isophote.lower.tree import Tree, build_boxes, build_triangles
 from isophote.scene.scene import Item
 from isophote.shapes.mesh import Attribute, Mesh
 

@@ -7,14 +7,15 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 
 import numpy as np
 from numba.core import event
 
-from isophote.kernels.base.cache import usable_folder
+from isophote.accel.tree import build_triangles
+from isophote.kernels.base.cache import is_compiled
 from isophote.kernels.base.table import Table
 from isophote.kernels.trace import first_hit, path, tables, wave
-from isophote.lower.tree import build_triangles
 from isophote.rendering.progress import Reporter
 
 __all__ = ["compiled", "warm_up"]
@@ -28,8 +29,8 @@ _OTHER_PROCESS = "from isophote.rendering.warm import compile_others; compile_ot
 
 def compiled() -> bool:
     """Whether the kernels of a picture lie in the cache."""
-    folder = usable_folder()
-    return all(any(folder.glob(f"{name}-*.nbi")) for name in ("path.path_trace_tile", "first_hit.first_hits"))
+    kernels = ((path, "path_trace_tile"), (first_hit, "first_hits"))
+    return all(is_compiled(Path(module.__file__ or ""), name) for module, name in kernels)
 
 
 @contextmanager

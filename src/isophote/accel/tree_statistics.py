@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from isophote.accel.tree import BOXES, TRIANGLES, Tree
 from isophote.kernels.accel.layout import BLOCK, CHILD, LANES, LOWER, NODE, NUMBER, UPPER, WIDTH
-from isophote.lower.tree import BOXES, TRIANGLES, Tree
 
 __all__ = ["TreeStatistics", "tree_statistics"]
 

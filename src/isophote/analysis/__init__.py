@@ -1,0 +1,1 @@
+"""Exact answers about shapes: topology, inside and outside, curvature, Voronoi, Delaunay, medial axis."""

@@ -1,0 +1,1 @@
+"""Kernels that measure: predicates at work, distances, winding numbers, triangulations."""
