@@ -53,10 +53,12 @@ _HOME = {
     "triangulate": "convert.triangulate",
 }
 
-__all__ = ["__version__", *sorted(_HOME)]
+__all__ = ["__version__", "analysis", *sorted(_HOME)]
 
 
 def __getattr__(name: str) -> Any:
+    if name == "analysis":
+        return importlib.import_module("isophote.analysis")
     try:
         home = _HOME[name]
     except KeyError:

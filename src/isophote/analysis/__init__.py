@@ -1,1 +1,28 @@
-"""Exact answers about shapes: topology, inside and outside, curvature, Voronoi, Delaunay, medial axis."""
+"""Exact answers about shapes: topology, inside and outside, curvature, Voronoi, Delaunay, medial axis.
+
+Names are loaded when they are first used.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+# Public name → the module of this package that defines it.
+_HOME: dict[str, str] = {}
+
+__all__ = sorted(_HOME)
+
+
+def __getattr__(name: str) -> Any:
+    try:
+        home = _HOME[name]
+    except KeyError:
+        raise AttributeError(f"module 'isophote.analysis' has no attribute {name!r}") from None
+    value = getattr(importlib.import_module(f"isophote.analysis.{home}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return list(__all__)
