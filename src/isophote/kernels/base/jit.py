@@ -1,11 +1,13 @@
-"""The two decorators of every compiled function.
+"""The decorators of every compiled function.
 
 `kernel` marks what Python calls: it frees the interpreter while it runs and is cached on disk.
 `device` marks what kernels call: it is compiled into them, and gets no machine code or Python entry of its own, which
 would be two thirds of the time that compiling takes.
 
 Arithmetic is IEEE's, but for contraction (`a * b + c` may be rounded once) and the sign of zero; division by zero gives
-infinity, as in NumPy.
+infinity, as in NumPy. `exact_kernel` and `exact_device` round every operation by itself: rounding errors that are to be
+known, as in predicates, would be lost to contraction. Each operation carries its own permission, so a function marked
+exact stays so within a kernel that is not.
 """
 
 from __future__ import annotations
@@ -20,7 +22,7 @@ from numba.core.typed_passes import NativeLowering
 
 from isophote.kernels.base import cache
 
-__all__ = ["device", "kernel"]
+__all__ = ["device", "exact_device", "exact_kernel", "kernel"]
 
 cache.install()
 
@@ -64,3 +66,13 @@ def kernel(function: Callable[..., Any]) -> Any:
 def device(function: Callable[..., Any]) -> Any:
     """Compile a function that kernels call; see the module's text."""
     return njit(function, nogil=True, error_model="numpy", fastmath=_CONTRACT, pipeline_class=_DeviceCompiler)
+
+
+def exact_kernel(function: Callable[..., Any]) -> Any:
+    """Compile a function that Python calls, without contraction."""
+    return njit(function, nogil=True, cache=True, error_model="numpy")
+
+
+def exact_device(function: Callable[..., Any]) -> Any:
+    """Compile a function that kernels call, without contraction."""
+    return njit(function, nogil=True, error_model="numpy", pipeline_class=_DeviceCompiler)

@@ -32,6 +32,7 @@ __all__ = [
     "as_float",
     "bits",
     "exact_product_difference",
+    "floor",
     "lane",
     "largest",
     "least",
@@ -43,10 +44,12 @@ __all__ = [
     "lowest_bit",
     "maximum",
     "minimum",
+    "round_even",
     "select",
     "splat4",
     "splat8",
     "splat16",
+    "square_root",
     "store4",
     "store8",
     "store16",
@@ -340,19 +343,27 @@ def _triples(first: int, second: int):
 triples, swap_triples = _triples(0, 4), _triples(4, 0)
 
 
-@intrinsic
-def absolute(typingctx, a):
-    """Lane by lane, |a|."""
-    if not _is_vector(a):
-        return None
+def _unary(name: str):
+    """A function of one vector that LLVM names `name`."""
 
-    def codegen(context, builder, signature, args):
-        vector = args[0].type
-        kind = ir.FunctionType(vector, [vector])
-        function = cgutils.get_or_insert_function(builder.module, kind, f"llvm.fabs.v{a.lanes}f32")
-        return builder.call(function, args)
+    @intrinsic
+    def function(typingctx, a):
+        if not _is_vector(a):
+            return None
 
-    return a(a), codegen
+        def codegen(context, builder, signature, args):
+            vector = args[0].type
+            kind = ir.FunctionType(vector, [vector])
+            called = cgutils.get_or_insert_function(builder.module, kind, f"llvm.{name}.v{a.lanes}f32")
+            return builder.call(called, args)
+
+        return a(a), codegen
+
+    return function
+
+
+# Lane by lane: |a|, √a, largest whole number ≤ a, nearest whole number (the even one of two).
+absolute, square_root, floor, round_even = (_unary(name) for name in ("fabs", "sqrt", "floor", "rint"))
 
 
 @intrinsic

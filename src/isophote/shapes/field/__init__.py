@@ -1,0 +1,1 @@
+"""Signed distance fields: expressions kept as data."""
