@@ -9,7 +9,12 @@ import importlib
 from typing import Any
 
 # Public name → the module of this package that defines it.
-_HOME: dict[str, str] = {}
+_HOME: dict[str, str] = {
+    "incircle": "predicates",
+    "insphere": "predicates",
+    "orient2d": "predicates",
+    "orient3d": "predicates",
+}
 
 __all__ = sorted(_HOME)
 

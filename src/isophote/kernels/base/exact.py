@@ -220,13 +220,22 @@ def _arrange(number, order, rows):
 
 
 @exact_device
-def determinant_sign(points, rows, dimension, lifted, ones):
+def determinant_sign(points, dimension, lifted):
     """The sign of a determinant, in whole numbers: right for all finite doubles.
 
-    `points` holds `rows` points of `dimension` coordinates, one after the other; the columns of the matrix are the
-    coordinates, the sum of their squares if `lifted`, and ones if `ones`, as many as `rows` (5 at most). Expands the
+    `points` is a tuple of coordinates, `dimension` for each point. The columns of the matrix are the coordinates, the
+    sum of their squares if `lifted`, and ones if there are more points than these; it has 5 rows at most. Expands the
     determinant into products and adds them up in fixed point: microseconds, for what filters could not decide.
     """
+    coordinates = np.empty(len(points))
+    for i in range(len(points)):
+        coordinates[i] = points[i]
+    return _array_sign(coordinates, dimension, lifted)
+
+
+@exact_device
+def _array_sign(points, dimension, lifted):
+    rows = len(points) // dimension
     total = np.zeros(_LIMBS, np.int64)
     product = np.empty(_PRODUCT_LIMBS, np.int64)
     mantissas = np.empty(rows * dimension, np.int64)

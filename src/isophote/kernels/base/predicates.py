@@ -54,6 +54,11 @@ _PAIR_INSPHERE_BOUND = 2.0**-98
 # What underflow adds, for each unit of what the underflowing product is multiplied by afterwards.
 _UNDERFLOW = 2.0**-1050
 
+_TWO = np.int64(2)
+_THREE = np.int64(3)
+_LIFTED = np.bool_(True)
+_FLAT = np.bool_(False)
+
 _NONE = np.int64(0)
 _MINUS = np.int64(-1)
 _PLUS = np.int64(1)
@@ -101,8 +106,8 @@ def _orient2d_closely(ax, ay, bx, by, cx, cy):
     if sign != _UNDECIDED:
         return sign
     if adx[1] == 0 and ady[1] == 0 and bdx[1] == 0 and bdy[1] == 0:
-        return determinant_sign((adx[0], ady[0], bdx[0], bdy[0]), 2, 2, False)
-    return determinant_sign((ax, ay, bx, by, cx, cy), 3, 2, False)
+        return determinant_sign((adx[0], ady[0], bdx[0], bdy[0]), _TWO, _FLAT)
+    return determinant_sign((ax, ay, bx, by, cx, cy), _TWO, _FLAT)
 
 
 @exact_device
@@ -119,9 +124,7 @@ def incircle(ax, ay, bx, by, cx, cy, dx, dy):
     adxbdy, bdxady = adx * bdy, bdx * ady
     a, b, c = adx * adx + ady * ady, bdx * bdx + bdy * bdy, cdx * cdx + cdy * cdy
     value = a * (bdxcdy - cdxbdy) + b * (cdxady - adxcdy) + c * (adxbdy - bdxady)
-    size = (
-        (abs(bdxcdy) + abs(cdxbdy)) * a + (abs(cdxady) + abs(adxcdy)) * b + (abs(adxbdy) + abs(bdxady)) * c
-    )
+    size = (abs(bdxcdy) + abs(cdxbdy)) * a + (abs(cdxady) + abs(adxcdy)) * b + (abs(adxbdy) + abs(bdxady)) * c
     bound = INCIRCLE_BOUND * size + _UNDERFLOW * (a + b + c + 1)
     if value > bound:
         return _PLUS
@@ -160,8 +163,8 @@ def _incircle_closely(ax, ay, bx, by, cx, cy, dx, dy):
     if sign != _UNDECIDED:
         return sign
     if adx[1] == 0 and ady[1] == 0 and bdx[1] == 0 and bdy[1] == 0 and cdx[1] == 0 and cdy[1] == 0:
-        return determinant_sign((adx[0], ady[0], bdx[0], bdy[0], cdx[0], cdy[0]), 3, 2, True)
-    return determinant_sign((ax, ay, bx, by, cx, cy, dx, dy), 4, 2, True)
+        return determinant_sign((adx[0], ady[0], bdx[0], bdy[0], cdx[0], cdy[0]), _TWO, _LIFTED)
+    return determinant_sign((ax, ay, bx, by, cx, cy, dx, dy), _TWO, _LIFTED)
 
 
 @exact_device
@@ -178,9 +181,7 @@ def orient3d(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz):
     adxbdy, bdxady = adx * bdy, bdx * ady
     value = adz * (bdxcdy - cdxbdy) + bdz * (cdxady - adxcdy) + cdz * (adxbdy - bdxady)
     a, b, c = abs(adz), abs(bdz), abs(cdz)
-    size = (
-        (abs(bdxcdy) + abs(cdxbdy)) * a + (abs(cdxady) + abs(adxcdy)) * b + (abs(adxbdy) + abs(bdxady)) * c
-    )
+    size = (abs(bdxcdy) + abs(cdxbdy)) * a + (abs(cdxady) + abs(adxcdy)) * b + (abs(adxbdy) + abs(bdxady)) * c
     bound = ORIENT3D_BOUND * size + _UNDERFLOW * (a + b + c + 1)
     if value > bound:
         return _PLUS
@@ -211,8 +212,8 @@ def _orient3d_closely(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz):
     tails = abs(adx[1]) + abs(ady[1]) + abs(adz[1]) + abs(bdx[1]) + abs(bdy[1]) + abs(bdz[1])
     if tails + abs(cdx[1]) + abs(cdy[1]) + abs(cdz[1]) == 0:
         near = (adx[0], ady[0], adz[0], bdx[0], bdy[0], bdz[0], cdx[0], cdy[0], cdz[0])
-        return determinant_sign(near, 3, 3, False)
-    return determinant_sign((ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz), 4, 3, False)
+        return determinant_sign(near, _THREE, _FLAT)
+    return determinant_sign((ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz), _THREE, _FLAT)
 
 
 @exact_device
@@ -308,5 +309,5 @@ def _insphere_closely(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, ex, ey, ez
     tails = abs(aex[1]) + abs(bex[1]) + abs(cex[1]) + abs(dex[1]) + abs(aey[1]) + abs(bey[1]) + abs(cey[1])
     if tails + abs(dey[1]) + abs(aez[1]) + abs(bez[1]) + abs(cez[1]) + abs(dez[1]) == 0:
         near = (aex[0], aey[0], aez[0], bex[0], bey[0], bez[0], cex[0], cey[0], cez[0], dex[0], dey[0], dez[0])
-        return determinant_sign(near, 4, 3, True)
-    return determinant_sign((ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, ex, ey, ez), 5, 3, True)
+        return determinant_sign(near, _THREE, _LIFTED)
+    return determinant_sign((ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, ex, ey, ez), _THREE, _LIFTED)
