@@ -10,10 +10,15 @@ from typing import Any
 
 # Public name → the module of this package that defines it.
 _HOME: dict[str, str] = {
+    "Components": "connectivity.components",
+    "HalfEdges": "connectivity.half_edges",
+    "Topology": "connectivity.topology",
+    "half_edges": "connectivity.half_edges",
     "incircle": "predicates",
     "insphere": "predicates",
     "orient2d": "predicates",
     "orient3d": "predicates",
+    "topology": "connectivity.topology",
 }
 
 __all__ = sorted(_HOME)

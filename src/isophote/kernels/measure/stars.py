@@ -1,9 +1,9 @@
 """Stars of vertices: the corners at each vertex, the edges that leave it, and the fans that its faces form.
 
 A corner is a place in a mesh's flat list of vertex numbers, and also the half-edge from there to the face's next
-corner. At a vertex v, corner number i of its star has two slots: 2 i for the half-edge that leaves v, 2 i + 1 for the one
-that comes in. Slots with the same vertex at their other end are one undirected edge. Where exactly two slots meet, the
-faces are neighbours, and `across` holds for each slot the other one; BOUNDARY and CROWDED mark slots without a
+corner. At a vertex v, corner number i of its star has two slots: 2 i for the half-edge that leaves v, 2 i + 1 for the
+one that comes in. Slots with the same vertex at their other end are one undirected edge. Where exactly two slots meet,
+the faces are neighbours, and `across` holds for each slot the other one; BOUNDARY and CROWDED mark slots without a
 neighbour. A walk from slot to slot across edges and faces gives the fans: the connected parts of the star.
 
 Edges are found by packing (other end, slot) into one 64-bit word and sorting the words of each star, so that the whole
@@ -25,6 +25,7 @@ __all__ = [
     "EDGE_CROWDED",
     "EDGE_TURNED",
     "INSIDE",
+    "OPPOSED",
     "SINGULAR",
     "TURNED",
     "UNUSED",
@@ -41,6 +42,8 @@ __all__ = [
 # Slots and half-edges without a neighbour: at an edge of one face, and at one of three or more.
 BOUNDARY = np.int32(-1)
 CROWDED = np.int32(-2)
+# And where the two faces run along the edge the same way, if these shall be no neighbours.
+OPPOSED = np.int32(-3)
 
 # What a vertex is: one closed fan, one open fan that ends at the boundary, anything else; and a further bit where two
 # faces at one of its edges run the same way along it.
@@ -138,9 +141,10 @@ def _radix_sort(keys, spare, count):
     """From the lowest byte to the highest, leaving out those that all words have in common."""
     source, target = keys, spare
     swaps = 0
+    places = np.empty(256, np.int64)
     for digit in range(8):
         shift = np.uint64(8 * digit)
-        places = np.zeros(256, np.int64)
+        places[:] = 0
         for i in range(count):
             places[(source[i] >> shift) & _DIGIT] += 1
         if places[(source[0] >> shift) & _DIGIT] == count:
@@ -206,8 +210,8 @@ def _match(keys, across, count):
 
 
 @device
-def _walk(across, slot, fan, fans, count):
-    """Mark the corners of `count` from `slot` on, away from it, with a fan's number: (corners, the slot at the end).
+def _walk(across, slot, fan, fans):
+    """Mark the corners from `slot` on, away from it, with a fan's number: (corners, the slot at the end).
 
     `fans` is -1 where no fan has been. The last slot is one without a neighbour, or `slot` itself for a closed fan.
     """
@@ -217,7 +221,7 @@ def _walk(across, slot, fan, fans, count):
         corners += 1
         slot ^= 1
         beyond = np.int64(across[slot])
-        if beyond < 0 or fans[beyond >> 1] >= 0 or corners == count:
+        if beyond < 0 or fans[beyond >> 1] >= 0:
             return corners, slot
         slot = beyond
 
@@ -286,7 +290,7 @@ def _kind(across, fans, count, worst):
         while across[begin] != BOUNDARY:
             begin += 1
     fans[:count] = -1
-    corners, _ = _walk(across, begin, 0, fans, count)
+    corners, _ = _walk(across, begin, 0, fans)
     if corners < count:
         return SINGULAR
     return AT_BOUNDARY if worst == BOUNDARY else INSIDE
@@ -308,7 +312,7 @@ def _find_fans(across, fans, count, ends):
     found = 0
     for slot in range(2 * count):
         if across[slot] < 0 and fans[slot >> 1] < 0:
-            _, end = _walk(across, slot, found, fans, count)
+            _, end = _walk(across, slot, found, fans)
             if len(ends):
                 ends[2 * found] = slot
                 ends[2 * found + 1] = end
@@ -316,7 +320,7 @@ def _find_fans(across, fans, count, ends):
     open_fans = found
     for i in range(count):
         if fans[i] < 0:
-            _walk(across, 2 * i, found, fans, count)
+            _walk(across, 2 * i, found, fans)
             found += 1
     return found, open_fans
 
@@ -374,11 +378,10 @@ def label_fans(indices, following, preceding, starts, star, chosen, first, last,
 
 
 @kernel
-def write_twins(indices, following, preceding, starts, star, first, last, scratch, twin):
-    """The half-edge on the other side of each edge of the vertices `first` to `last`, into `twin`; or BOUNDARY, CROWDED.
+def write_twins(indices, following, preceding, starts, star, first, last, scratch, opposed, twin):
+    """Write into `twin` the half-edge on the other side of each edge of the vertices `first` to `last`.
 
-    Each edge is written from its end with the smaller number. Where two faces run along an edge the same way, they
-    are twins all the same.
+    Or BOUNDARY, CROWDED and, with `opposed`, OPPOSED. Each edge is written from its end with the smaller number.
     """
     size = len(scratch) // 5
     keys, spare = scratch[: 2 * size], scratch[2 * size : 4 * size]
@@ -393,7 +396,10 @@ def write_twins(indices, following, preceding, starts, star, first, last, scratc
                 one = _half_edge(corners, preceding, np.int64(keys[begin] & _LOW))
                 if end - begin == 2:
                     other = _half_edge(corners, preceding, np.int64(keys[begin + 1] & _LOW))
-                    twin[one], twin[other] = other, one
+                    if opposed and indices[one] == indices[other]:
+                        twin[one], twin[other] = OPPOSED, OPPOSED
+                    else:
+                        twin[one], twin[other] = other, one
                 else:
                     for i in range(begin, end):
                         lone = BOUNDARY if end - begin == 1 else CROWDED

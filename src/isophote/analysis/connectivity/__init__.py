@@ -1,0 +1,1 @@
+"""What is connected how in a mesh: stars, half-edges, components, boundary loops, orientation."""
