@@ -50,6 +50,7 @@ _HOME = {
     "render": "rendering.render",
     "save": "io.save",
     "studio": "scene.studio",
+    "to_glsl": "convert.glsl",
     "triangulate": "convert.triangulate",
 }
 

@@ -7,6 +7,7 @@ from functools import singledispatch
 from isophote.errors import FileError
 from isophote.io.files import StrPath
 from isophote.scene.scene import Scene
+from isophote.shapes.field.field import Field
 from isophote.shapes.mesh import Mesh
 
 __all__ = ["save"]
@@ -41,6 +42,13 @@ def _(thing: Scene, path: StrPath, **options: object) -> None:
     from isophote.io.scene_file import save_scene
 
     save_scene(thing, path, **options)
+
+
+@save.register
+def _(thing: Field, path: StrPath, **options: object) -> None:
+    from isophote.io.field_file import save_field
+
+    save_field(thing, path, **options)
 
 
 def _known() -> str:

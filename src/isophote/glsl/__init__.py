@@ -1,0 +1,1 @@
+"""Shader files, under the same names as the kernels that they mirror."""

@@ -1,0 +1,136 @@
+"""A field as one web page that stands alone: WebGL 2, no network, nothing to install."""
+
+from __future__ import annotations
+
+import html
+import json
+import math
+from importlib import resources
+from pathlib import Path
+from string import Template
+from typing import Any
+
+import numpy as np
+
+from isophote import __version__
+from isophote.convert.glsl import GlslField, to_glsl
+from isophote.errors import FileError
+from isophote.io.files import StrPath, replacing
+from isophote.scene.camera import Camera
+from isophote.scene.light import RectLight, Sky
+from isophote.scene.material import Matte
+from isophote.scene.scene import Scene
+from isophote.scene.studio import studio
+from isophote.shapes.field.field import Field
+
+__all__ = ["page_of", "write_html"]
+
+# Where no Lipschitz constant is known, steps are this part of the field's value.
+_CAREFUL = 2.0
+
+
+def write_html(path: StrPath, shape: Field, title: str | None = None) -> None:
+    """Write a web page that shows a field, to turn, zoom and move, with a slider for each of its parameters.
+
+    `title` is the name of the file where none is given. Raises `GeometryError` for fields that are endless or hold
+    tables of data, `FileError` where the file cannot be written.
+    """
+    text = page_of(shape, Path(path).stem if title is None else title)
+    with replacing(path) as temporary:
+        temporary.write_text(text, "utf-8")
+
+
+def page_of(shape: Field, title: str) -> str:
+    """The text of the page."""
+    if not np.isfinite(shape.bounds).all():
+        raise FileError(title, "an endless field has no view of its own; intersect it with a box first")
+    glsl = to_glsl(shape)
+    scene = studio(shape)
+    model = {"title": title, "view": _view(scene), "parameters": _sliders(glsl)}
+    fields = {
+        "title": html.escape(title),
+        "generator": f"Isophote {__version__}",
+        "style": _file("page.css"),
+        # "</" would end the element.
+        "model": json.dumps(model).replace("</", "<\\/"),
+        "vertex": _file("page.vert"),
+        "fragment": fragment_shader(glsl, scene, shape),
+        "script": _file("page.js"),
+    }
+    return Template(_file("page.html")).substitute(fields)
+
+
+def fragment_shader(glsl: GlslField, scene: Scene, shape: Field, version: str = "300 es") -> str:
+    """The fragment shader of a field in its studio, for `#version 300 es` or `330 core`."""
+    precision = "precision highp float;\nprecision highp int;\n" if version.endswith("es") else ""
+    constants = "\n".join(f"const {kind} {name} = {value};" for kind, name, value in _constants(glsl, scene, shape))
+    return f"#version {version}\n{precision}\n{constants}\n\n{glsl.source}\n{_file('sphere_trace.glsl')}"
+
+
+def _file(name: str) -> str:
+    return resources.files("isophote.glsl").joinpath(name).read_text("utf-8").strip()
+
+
+def _sliders(glsl: GlslField) -> list[dict[str, Any]]:
+    pairs = zip(glsl.parameters, glsl.uniforms, strict=True)
+    return [{"name": p.name, "uniform": u, "value": float(p), "low": p.low, "high": p.high} for p, u in pairs]
+
+
+def _view(scene: Scene) -> dict[str, Any]:
+    """The camera as an orbit: angles about the target, in radians."""
+    camera = scene.camera
+    assert isinstance(camera, Camera)  # What the studio gives.
+    eye, target = np.array(camera.eye), np.array(camera.target)
+    back = eye - target
+    distance = float(np.linalg.norm(back))
+    return {
+        "target": target.tolist(),
+        "distance": distance,
+        "yaw": math.atan2(back[0], back[2]),
+        "pitch": math.asin(back[1] / distance),
+        "fov": math.radians(camera.fov_degrees),
+    }
+
+
+def _constants(glsl: GlslField, scene: Scene, shape: Field) -> list[tuple[str, str, str]]:
+    """What the shader knows of the studio: type, name and value of each constant."""
+    box = np.asarray(shape.bounds, np.float64)
+    centre, radius = box.mean(axis=0), float(np.linalg.norm(box[1] - box[0])) / 2
+    key = next(light for light in scene.lights if isinstance(light, RectLight))
+    sky = next(light for light in scene.lights if isinstance(light, Sky))
+    place = key.transform.matrix[:3, 3]
+    facing = -key.transform.matrix[:3, 1]
+    ground = scene.items[-1]
+    steps = glsl.lipschitz if math.isfinite(glsl.lipschitz) and glsl.lipschitz > 0 else _CAREFUL
+    return [
+        ("float", "LIPSCHITZ", _number(max(steps, 1e-6))),
+        ("vec3", "CENTRE", _vector(centre)),
+        ("float", "RADIUS", _number(radius * 1.01)),
+        ("float", "SURFACE", _number(radius * 1e-4)),
+        ("float", "NORMAL_STEP", _number(radius * 2e-4)),
+        ("float", "OCCLUSION", _number(radius * 0.25)),
+        ("vec3", "ALBEDO", _vector(_albedo(scene.items[0].material))),
+        ("vec3", "GROUND_ALBEDO", _vector(_albedo(ground.material))),
+        ("float", "GROUND", _number(float(ground.bounds[0, 1]))),
+        ("float", "GROUND_REACH", _number(radius * 100)),
+        ("vec3", "KEY_PLACE", _vector(place)),
+        ("vec3", "KEY_FACING", _vector(facing / np.linalg.norm(facing))),
+        ("vec3", "KEY_INTENSITY", _vector(np.array(key.radiance_rgb) * key.area)),
+        ("float", "KEY_SIZE", _number(math.sqrt(key.area / math.pi))),
+        ("vec3", "SKY", _vector(np.array(sky.radiance_rgb))),
+    ]
+
+
+def _albedo(material: object) -> tuple[float, float, float]:
+    if not isinstance(material, Matte) or not isinstance(material.colour, tuple):
+        return (0.7, 0.7, 0.7)
+    red, green, blue = material.colour
+    return (red, green, blue)
+
+
+def _number(value: float) -> str:
+    return f"{value:.9g}" if any(c in f"{value:.9g}" for c in ".e") else f"{value:.9g}.0"
+
+
+def _vector(values: Any) -> str:
+    return "vec3(" + ", ".join(_number(float(v)) for v in values) + ")"
