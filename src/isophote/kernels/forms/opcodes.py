@@ -5,9 +5,10 @@ Plain numbers, without Numba, so that the operator table of fields can name them
 
 from __future__ import annotations
 
-# Words of a row: operator, the slot that it writes, the slots that it reads, its constant (the bits of a float32, or
-# the number of a table), and the Lipschitz constant of its value (the bits of a float32). The last word is spare.
-OP, OUT, A, B, C, IMM, LIPSCHITZ, ROW = 0, 1, 2, 3, 4, 5, 6, 8
+# Words of a row: operator, the slot that it writes, the slots that it reads (0 where it reads fewer than three), its
+# constant (the bits of a float32, or the number of a table), and, as the bits of float32 too, the Lipschitz constant of
+# its value and how far rounding can put values apart that the constant holds together.
+OP, OUT, A, B, C, IMM, LIPSCHITZ, ROUNDING, ROW = 0, 1, 2, 3, 4, 5, 6, 7, 8
 
 # Slots 0, 1, 2 hold the point; the first row writes slot 3.
 INPUTS = 3

@@ -24,8 +24,9 @@ from isophote.kernels.base.simd import (
     store16,
 )
 from isophote.kernels.forms import opcodes as op
+from isophote.kernels.forms.field_data import open_field_data
 
-__all__ = ["LANES", "WIDTH", "evaluate_points", "run_tape"]
+__all__ = ["LANES", "WIDTH", "evaluate_points", "run_tape", "smooth_maximum", "smooth_minimum"]
 
 # Vectors of sixteen points in a pass over many, and the points in it.
 WIDTH = 4
@@ -36,20 +37,23 @@ _ZERO, _ONE, _QUARTER = np.float32(0), np.float32(1), np.float32(0.25)
 
 
 @device
-def _smooth_minimum(a, b, k):
+def smooth_minimum(a, b, k):
     h = maximum(splat16(k) - absolute(a - b), splat16(_ZERO))
     return minimum(a, b) - h * h * splat16(_QUARTER / k)
 
 
 @device
-def _smooth_maximum(a, b, k):
+def smooth_maximum(a, b, k):
     h = maximum(splat16(k) - absolute(a - b), splat16(_ZERO))
     return maximum(a, b) + h * h * splat16(_QUARTER / k)
 
 
 @device
-def run_tape(rows, first, count, slots, width):
-    """Run rows `first` ≤ r < `first + count` of a tape; slots 0, 1, 2 hold the points, `width` vectors each."""
+def run_tape(rows, first, count, data, slots, width):
+    """Run rows `first` ≤ r < `first + count` of a tape; slots 0, 1, 2 hold the points, `width` vectors each.
+
+    `data` is the opened FIELD_DATA of the tape's tables. The value is what the last row wrote.
+    """
     stride = np.int64(16) * width
     for row in range(first * _ROW, (first + count) * _ROW, _ROW):
         code = load_int(rows, row + op.OP)
@@ -118,10 +122,10 @@ def run_tape(rows, first, count, slots, width):
                 store16(slots, out + j, maximum(load16(slots, a + j), splat16(k)))
         elif code == op.SMOOTH_MINIMUM:
             for j in range(0, end, 16):
-                store16(slots, out + j, _smooth_minimum(load16(slots, a + j), load16(slots, b + j), k))
+                store16(slots, out + j, smooth_minimum(load16(slots, a + j), load16(slots, b + j), k))
         elif code == op.SMOOTH_MAXIMUM:
             for j in range(0, end, 16):
-                store16(slots, out + j, _smooth_maximum(load16(slots, a + j), load16(slots, b + j), k))
+                store16(slots, out + j, smooth_maximum(load16(slots, a + j), load16(slots, b + j), k))
         elif code == op.MULTIPLY_ADD:
             c = load_int(rows, row + op.C) * stride
             for j in range(0, end, 16):
@@ -146,8 +150,12 @@ def run_tape(rows, first, count, slots, width):
 
 
 @kernel
-def evaluate_points(rows, points, slots, out, first, last):
-    """Values at points `first` ≤ i < `last` of (n, 3) float32 into `out`; `slots` holds LANES floats a slot."""
+def evaluate_points(rows, data, points, slots, out, first, last):
+    """Values at points `first` ≤ i < `last` of (n, 3) float32 into `out`; `slots` holds LANES floats a slot.
+
+    `data` are the words of a FIELD_DATA.
+    """
+    tables = open_field_data(data)
     count = np.int64(rows.size) // _ROW
     result = (np.int64(2) + count) * LANES
     for start in range(first, last, LANES):
@@ -155,6 +163,6 @@ def evaluate_points(rows, points, slots, out, first, last):
         for i in range(size):
             for axis in range(points.shape[1]):
                 slots[axis * LANES + i] = points[start + i, axis]
-        run_tape(rows, np.int64(0), count, slots, np.int64(WIDTH))
+        run_tape(rows, np.int64(0), count, tables, slots, np.int64(WIDTH))
         for i in range(size):
             out[start + i] = slots[result + i]

@@ -14,6 +14,7 @@ __all__ = ["values"]
 
 def values(form: Form, points: npt.ArrayLike) -> npt.NDArray[np.float32]:
     """(n,) float32 values of a form at points (n, dimension)."""
+    from isophote.kernels.forms.field_data import pack_field_data
     from isophote.kernels.forms.tape import LANES, evaluate_points
 
     array = np.asarray(points, np.float32)
@@ -22,5 +23,6 @@ def values(form: Form, points: npt.ArrayLike) -> npt.NDArray[np.float32]:
     tape = tape_of(form)
     out = np.empty(len(array), np.float32)
     slots = np.zeros((len(tape.rows) + 3) * LANES, np.float32)
-    evaluate_points(tape.rows.reshape(-1), np.ascontiguousarray(array), slots, out, 0, len(array))
+    data = pack_field_data(())
+    evaluate_points(tape.rows.reshape(-1), data.words, np.ascontiguousarray(array), slots, out, 0, len(array))
     return out

@@ -15,6 +15,7 @@ from isophote.kernels.forms import opcodes
 from isophote.shapes.field.expression import Graph
 from isophote.shapes.field.form import Box, Form
 from isophote.shapes.field.operators import OPERATORS
+from isophote.shapes.field.rounding import roundings
 
 __all__ = ["Tape", "numpy_values", "tape_of", "written"]
 
@@ -38,6 +39,7 @@ def tape_of(form: Form, region: Box | None = None) -> Tape:
     """The tape of a form; with a `region`, its rows carry Lipschitz constants that hold there."""
     graph, result = written(form, region)
     constants = graph.lipschitz() if region is not None else None
+    rounding = None if constants is None else roundings(graph, constants)
     live = [node for node in graph.used(result) if graph.nodes[node].name != "INPUT"]
     slots = {0: 0, 1: 1, 2: 2} | {node: opcodes.INPUTS + k for k, node in enumerate(live)}
     rows = np.zeros((len(live), opcodes.ROW), np.int32)
@@ -54,6 +56,7 @@ def tape_of(form: Form, region: Box | None = None) -> Tape:
         else:
             rows[k, opcodes.IMM] = data.setdefault(id(constant), (len(data), constant))[0]
         floats[k, opcodes.LIPSCHITZ] = np.inf if constants is None else _above(constants[node])
+        floats[k, opcodes.ROUNDING] = 0.0 if rounding is None else _above(rounding[node])
     if slots[result] != opcodes.INPUTS + len(live) - 1:
         rows = np.concatenate([rows, _copy_row(slots[result], len(live), 1.0)])
     return Tape(np.ascontiguousarray(rows), tuple(constant for _, constant in data.values()))
