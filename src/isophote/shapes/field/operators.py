@@ -371,3 +371,17 @@ _add(
     # The arms need not meet where the choice turns; a shape that knows that they do says so.
     _unbounded, "({a} < 0.0 ? {b} : {c})",
 )  # fmt: skip
+
+
+def _table(name: str, arity: int) -> None:
+    """An operator whose constant is a table of data, which knows all that is asked; GLSL has no spelling of tables."""
+    _add(
+        name, arity, lambda *a: a[-1].value(*a[:-1]), lambda *a: a[-1].interval(*a[:-1]),
+        lambda *a: a[-1].partials(*a[:-2]), lambda c, i, k: _scaled(k.slope, _joint(c, i, k)), "",
+    )  # fmt: skip
+
+
+_table("OUTLINE", 2)
+_table("GRID2", 2)
+_table("GRID3", 3)
+_table("MESH", 3)
