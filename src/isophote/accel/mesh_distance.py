@@ -74,9 +74,9 @@ def _scale(points: Points) -> float:
 
 
 def rim_of(points: Points, triangles: Corners) -> Points:
-    """(7, k): the boundary of a mesh as a chain of directed edges: start, end, and how often they count.
+    """(6, k): the boundary of a mesh as a chain of directed edges: their starts and ends.
 
-    An edge counts as often as triangles run along it in one direction more than in the other; a closed and oriented
+    An edge is there as often as triangles run along it in one direction more than in the other; a closed and oriented
     mesh has none. Vertices at one place are one vertex.
     """
     start, end, count = _chain(triangles, np.arange(len(points)))
@@ -86,7 +86,8 @@ def rim_of(points: Points, triangles: Corners) -> Points:
         number = np.arange(len(points))
         number[chosen] = chosen[np.unique(same, return_index=True)[1]][same.reshape(-1)]
         start, end, count = _cancel(number[start], number[end], count)
-    return np.ascontiguousarray(np.column_stack([points[start], points[end], count]).T)
+    start, end = np.repeat(start, count), np.repeat(end, count)
+    return np.ascontiguousarray(np.column_stack([points[start], points[end]]).T)
 
 
 def _chain(triangles: Corners, number: npt.NDArray[np.int64]) -> tuple[npt.NDArray[np.int64], ...]:

@@ -29,8 +29,8 @@ _CLAMP = np.float64(2.0**60)
 
 # `nodes`, `blocks`: the tree (accel/layout.py). `corners` (slots, 9): x, y, z of the three corners of the triangle in
 # each slot of `blocks`. `frame` (1, 4): middle of the mesh, and the power of two that coordinates are multiplied by.
-# `rim` (7, k): x, y, z of start and end of the directed edges whose triangles do not cancel, and how often each counts;
-# none where the mesh is closed. `closed`: whether there are none.
+# `rim` (6, k): x, y, z of start and end of the directed edges that triangles run along in one direction more often than
+# in the other; none where the mesh is closed. `closed`: whether there are none.
 MESH_DISTANCE = Table(
     "MeshDistance", nodes=FLOATS, blocks=FLOATS, corners=_DOUBLE_ROWS, frame=_DOUBLE_ROWS, rim=_DOUBLE_ROWS, closed=INT
 )
