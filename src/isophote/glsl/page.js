@@ -65,7 +65,7 @@
 
   // ---- drawing when something changes; the resolution follows the frame rate ----
   const SLOW = 1000 / 24, FAST = 1000 / 50, LEAST = 0.2;
-  let scale = 1, wanted = false, settle = 0, last = 0;
+  let scale = 1, wanted = false, busy = false, settle = 0, last = 0;
 
   const resize = (factor) => {
     const dots = window.devicePixelRatio || 1;
@@ -74,22 +74,39 @@
     if (canvas.width !== width || canvas.height !== height) { canvas.width = width; canvas.height = height; }
   };
 
-  const frame = (now) => {
+  // The graphics processor works on its own; a fence tells when it is done, and so how long a frame takes.
+  const finished = (then) => {
+    const fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    gl.flush();
+    const look = () => {
+      if (!gl.isContextLost() && gl.clientWaitSync(fence, 0, 0) === gl.TIMEOUT_EXPIRED) { setTimeout(look, 2); return; }
+      gl.deleteSync(fence);
+      then();
+    };
+    look();
+  };
+
+  const frame = () => {
     wanted = false;
+    busy = true;
     const began = performance.now();
+    clearTimeout(settle);
     resize(scale);
     paint(canvas.width, canvas.height, 1);
-    // Reading a pixel waits for the picture, so that the time is that of drawing it.
-    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
-    const took = performance.now() - began;
-    if (took > SLOW) scale = Math.max(LEAST, scale * Math.sqrt(SLOW / took));
-    else if (took < FAST && now - last < 200) scale = Math.min(1, scale * 1.1);
-    last = now;
-    clearTimeout(settle);
-    settle = setTimeout(still, 200);
+    finished(() => {
+      busy = false;
+      const now = performance.now(), took = now - began;
+      if (took > SLOW) scale = Math.max(LEAST, scale * Math.sqrt(SLOW / took));
+      else if (took < FAST && began - last < 200) scale = Math.min(1, scale * 1.1);
+      last = now;
+      if (wanted) requestAnimationFrame(frame); else settle = setTimeout(still, 200);
+    });
   };
   const still = () => { resize(1); paint(canvas.width, canvas.height, 2); };
-  const redraw = () => { if (!wanted) { wanted = true; requestAnimationFrame(frame); } };
+  const redraw = () => {
+    if (!wanted && !busy) requestAnimationFrame(frame);
+    wanted = true;
+  };
 
   // ---- mouse, touch and keys ----
   const pointers = new Map();
@@ -158,7 +175,7 @@
     const id = "slider-" + p.uniform;
     const label = Object.assign(document.createElement("label"), { textContent: p.name, htmlFor: id });
     const range = Object.assign(document.createElement("input"), {
-      type: "range", id, min: p.low, max: p.high, step: (p.high - p.low) / 1000 || 1, value: p.value,
+      type: "range", id, min: p.low, max: p.high, step: "any", value: p.value,
     });
     const output = Object.assign(document.createElement("output"), { textContent: +p.value.toPrecision(4) });
     range.addEventListener("input", () => {
