@@ -10,15 +10,28 @@ from typing import Any
 
 # Public name → the module of this package that defines it.
 _HOME: dict[str, str] = {
+    "ClosestPoints": "distance",
     "Components": "connectivity.components",
     "HalfEdges": "connectivity.half_edges",
+    "MassProperties": "mass",
+    "RepairReport": "mending.repair",
     "Topology": "connectivity.topology",
+    "area": "mass",
+    "boolean": "solids",
+    "closest_point": "distance",
+    "contains": "inside",
+    "distance": "distance",
     "half_edges": "connectivity.half_edges",
     "incircle": "predicates",
     "insphere": "predicates",
+    "mass_properties": "mass",
+    "orient": "connectivity.orientation",
     "orient2d": "predicates",
     "orient3d": "predicates",
+    "repair": "mending.repair",
+    "signed_distance": "distance",
     "topology": "connectivity.topology",
+    "winding_number": "inside",
 }
 
 __all__ = sorted(_HOME)

@@ -1,0 +1,1 @@
+"""Repairing meshes, step by step, with everything that survives kept."""
