@@ -19,6 +19,8 @@ Ints: TypeAlias = npt.NDArray[np.int64]
 # Pairs of points and arcs that are looked at in one step: some tens of megabytes.
 _PAIRS = 1 << 20
 _MOST_STEPS = 80
+# Points whose winding numbers are counted in one step.
+_ROWS = 256
 
 
 class Nearest(NamedTuple):
@@ -128,7 +130,15 @@ def winding_numbers(arcs: Floats, x: Floats, y: Floats) -> Ints:
     Upward arcs right of the point count 1, downward ones −1. An arc holds its lower end and not its upper one, so that
     each arc's end is counted once.
     """
-    return np.concatenate([_winding(arcs, x[part], y[part]) for part in _parts(len(x), len(arcs))])
+    low, high = np.minimum(arcs[:, 1], arcs[:, 5]), np.maximum(arcs[:, 1], arcs[:, 5])
+    order = np.argsort(y, kind="stable")
+    numbers = np.zeros(len(y), np.int64)
+    # Points at about one height are asked together: few arcs reach over it.
+    for first in range(0, len(y), _ROWS):
+        some = order[first : first + _ROWS]
+        reached = arcs[(low <= y[some[-1]]) & (high >= y[some[0]])]
+        numbers[some] = _winding(reached, x[some], y[some])
+    return numbers
 
 
 def _winding(arcs: Floats, x: Floats, y: Floats) -> Ints:
