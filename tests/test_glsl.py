@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import isophote as iso
+from isophote.shapes.field.data import GridData, OutlineData
 from isophote.shapes.field.expression import Parameter, Point, Value
 from isophote.shapes.field.field import Field, box, cylinder, sphere
 from isophote.shapes.field.form import Form
@@ -18,7 +19,7 @@ from shaders import values
 
 RANDOM = np.random.default_rng(5)
 POINTS = RANDOM.uniform(-2, 2, (4000, 3)).astype(np.float32)
-# Operators whose constant is a table of data; GLSL has no spelling for them.
+# Operators whose constant is a table of data.
 TABLES = {"OUTLINE", "GRID2", "GRID3", "MESH"}
 
 
@@ -39,6 +40,21 @@ class OneOperator(Form):
         if self.name == "CONSTANT_OVER":
             arguments = (p.x * p.x + 0.5,)
         return p.graph.apply(self.name, *arguments, constant=0.75)
+
+    @property
+    def bounds(self) -> np.ndarray:
+        return np.array([[-2.0] * 3, [2.0] * 3])
+
+
+@attrs.frozen
+class Sampled(Form):
+    """A table of data over x and y, less a half."""
+
+    data: GridData | OutlineData
+
+    def expression(self, p: Point) -> Value:
+        name = "GRID2" if isinstance(self.data, GridData) else "OUTLINE"
+        return p.graph.apply(name, p.x, p.y, constant=self.data) - 0.5
 
     @property
     def bounds(self) -> np.ndarray:
@@ -95,3 +111,24 @@ def test_what_is_used_twice_is_worked_out_once() -> None:
 def test_names_that_glsl_does_not_take(name: str) -> None:
     with pytest.raises(iso.GeometryError, match="GLSL"):
         iso.to_glsl(sphere(1), name)
+
+
+def test_tables_of_data_become_textures() -> None:
+    samples = np.add.outer(np.arange(3.0), np.arange(4.0)).astype(np.float32)
+    grid = GridData(samples, (-1.0, -1.0), 0.5)
+    glsl = iso.to_glsl(Field(Sampled(grid)))
+    assert [g.name for g in glsl.grids] == ["grid0"]
+    found = values(glsl.source, "field", POINTS, grids=glsl.grids)
+    np.testing.assert_allclose(found, grid.value(POINTS[:, 0], POINTS[:, 1]) - 0.5, atol=1e-5)
+
+
+def test_outlines_are_sampled() -> None:
+    corners = np.array([(0, 0), (1, 0), (1, 1), (0, 1)], np.float32)
+    ends = np.roll(corners, -1, axis=0)
+    square = OutlineData(np.hstack([corners, (corners + ends) / 2, ends]), np.ones(4, np.int8))
+    glsl = iso.to_glsl(Field(Sampled(square)))
+    points = POINTS * 0.5
+    found = values(glsl.source, "field", points, grids=glsl.grids)
+    exact = square.value(points[:, 0], points[:, 1]) - 0.5
+    near = np.abs(exact + 0.5) < 0.04
+    np.testing.assert_allclose(found[near], exact[near], atol=2e-3)

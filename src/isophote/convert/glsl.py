@@ -10,6 +10,7 @@ from typing import Any
 
 import attrs
 
+from isophote.convert.glsl_grid import GlslGrid, grid_of
 from isophote.errors import GeometryError
 from isophote.shapes.field.expression import Graph, Parameter
 from isophote.shapes.field.field import Field
@@ -22,20 +23,24 @@ _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 # Expressions that are used once are put in place up to this many characters; longer ones get a name of their own.
 _INLINE = 80
 _LARGEST = 3.0e38
+# Between samples, and beyond them, slopes are up to √2 of what they are of.
+_SAMPLED = math.sqrt(2)
 
 
 @attrs.frozen
 class GlslField:
     """GLSL of a field. `str()` gives `source`, which declares the function `name` and all that it needs.
 
-    `parameters` are those that became uniforms, by the names in `uniforms`; `lipschitz` bounds the slope of the
-    function over the field's bounds, for every value of the parameters (infinite where nothing is known).
+    `parameters` are those that became uniforms, by the names in `uniforms`; `grids` are the textures that it reads.
+    `lipschitz` bounds the slope of the function over the field's bounds, for every value of the parameters (infinite
+    where nothing is known).
     """
 
     name: str
     source: str
     parameters: tuple[Parameter, ...]
     uniforms: tuple[str, ...]
+    grids: tuple[GlslGrid, ...]
     lipschitz: float
 
     def __str__(self) -> str:
@@ -45,8 +50,9 @@ class GlslField:
 def to_glsl(shape: Field, name: str = "field") -> GlslField:
     """A GLSL function `float name(vec3 p)` with the values of a field, negative inside.
 
-    Parameters become uniforms named `u_` and their name. Raises `GeometryError` for names that GLSL does not take, and
-    for fields that hold tables of data (meshes, images), which have no spelling in GLSL.
+    Parameters become uniforms named `u_` and their name. Outlines, images and meshes become textures with samples of
+    them, `grid0` and so on, so that what is finer than 1/512 of an outline or 1/96 of a mesh is lost. Raises
+    `GeometryError` for names that GLSL does not take.
     """
     if not _NAME.fullmatch(name) or keyword.iskeyword(name) or name.startswith("gl_"):
         raise GeometryError(f"to_glsl: {name!r} is no name of a GLSL function; use letters, digits and underscores")
@@ -54,19 +60,33 @@ def to_glsl(shape: Field, name: str = "field") -> GlslField:
     live = graph.used(result)
     parameters = tuple(graph.nodes[n].constant for n in live if graph.nodes[n].name == "PARAMETER")
     uniforms = tuple(_uniform(parameter) for parameter in parameters)
-    lines = [f"uniform float {uniform};" for uniform in uniforms]
+    grids = _grids(graph, live)
     functions = resources.files("isophote.glsl").joinpath("operators.glsl").read_text("utf-8").strip()
-    body = "\n".join(_body(graph, live, result))
-    declared = "\n".join(lines) + "\n" if lines else ""
-    source = f"{functions}\n\n{declared}float {name}(vec3 p) {{\n{body}\n}}\n"
-    return GlslField(name, source, parameters, uniforms, graph.lipschitz()[result])
+    parts = [
+        functions,
+        *(f"uniform float {uniform};" for uniform in uniforms),
+        *(grid.source for grid in grids.values()),
+        "\n".join([f"float {name}(vec3 p) {{", *_body(graph, live, result, grids), "}"]),
+    ]
+    slope = graph.lipschitz()[result] * (_SAMPLED if grids else 1.0)
+    return GlslField(name, "\n\n".join(parts) + "\n", parameters, uniforms, tuple(grids.values()), slope)
+
+
+def _grids(graph: Graph, live: list[int]) -> dict[int, GlslGrid]:
+    """A grid for each table of data, by the table's identity."""
+    grids: dict[int, GlslGrid] = {}
+    for node in live:
+        constant = graph.nodes[node].constant
+        if graph.nodes[node].name in OPERATORS and not isinstance(constant, float | int) and id(constant) not in grids:
+            grids[id(constant)] = grid_of(f"grid{len(grids)}", constant)
+    return grids
 
 
 def _uniform(parameter: Parameter) -> str:
     return "u_" + re.sub(r"\W+", "_", parameter.name).strip("_")
 
 
-def _body(graph: Graph, live: list[int], result: int) -> list[str]:
+def _body(graph: Graph, live: list[int], result: int, grids: dict[int, GlslGrid]) -> list[str]:
     """The lines of the function: one a named value."""
     uses: dict[int, int] = {}
     for node in live:
@@ -75,7 +95,7 @@ def _body(graph: Graph, live: list[int], result: int) -> list[str]:
     spelled: dict[int, str] = {}
     lines = []
     for node in live:
-        text = _spelled(graph, node, spelled)
+        text = _spelled(graph, node, spelled, grids)
         plain = graph.nodes[node].name in ("INPUT", "PARAMETER", "CONSTANT")
         if not plain and node != result and (uses.get(node, 0) > 1 or len(text) > _INLINE):
             lines.append(f"    float v{node} = {text};")
@@ -84,20 +104,17 @@ def _body(graph: Graph, live: list[int], result: int) -> list[str]:
     return [*lines, f"    return {spelled[result]};"]
 
 
-def _spelled(graph: Graph, node: int, spelled: dict[int, str]) -> str:
+def _spelled(graph: Graph, node: int, spelled: dict[int, str], grids: dict[int, GlslGrid]) -> str:
     name, arguments, constant = graph.nodes[node]
     if name == "INPUT":
         return f"p.{constant}"
     if name == "PARAMETER":
         return _uniform(constant)
-    operator = OPERATORS[name]
-    if not isinstance(constant, float | int):
-        raise GeometryError(
-            f"to_glsl: the field holds a table of data ({type(constant).__name__}), which has no spelling in GLSL; "
-            "leave out meshes, images and text, or save a mesh"
-        )
-    values: dict[str, Any] = dict(zip("abc", (spelled[a] for a in arguments), strict=False))
-    return operator.glsl.format(**values, k=_literal(constant))
+    parts = [spelled[a] for a in arguments]
+    if id(constant) in grids:
+        return f"{grids[id(constant)].name}At(vec{len(parts)}({', '.join(parts)}))"
+    values: dict[str, Any] = dict(zip("abc", parts, strict=False))
+    return OPERATORS[name].glsl.format(**values, k=_literal(constant))
 
 
 def _literal(number: float) -> str:

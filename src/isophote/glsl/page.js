@@ -14,6 +14,21 @@
     return;
   }
 
+  // ---- tables of samples ----
+  const load = (grid, unit) => {
+    const bytes = Uint8Array.from(atob(grid.levels), (c) => c.charCodeAt(0));
+    const levels = new Uint16Array(bytes.buffer);
+    const samples = Float32Array.from(levels, (level) => grid.low + grid.step * level);
+    const [width, height, depth] = grid.size;
+    const target = depth ? gl.TEXTURE_3D : gl.TEXTURE_2D;
+    gl.activeTexture(gl.TEXTURE0 + unit);
+    gl.bindTexture(target, gl.createTexture());
+    for (const name of ["TEXTURE_MIN_FILTER", "TEXTURE_MAG_FILTER"]) gl.texParameteri(target, gl[name], gl.NEAREST);
+    if (depth) gl.texImage3D(target, 0, gl.R32F, width, height, depth, 0, gl.RED, gl.FLOAT, samples);
+    else gl.texImage2D(target, 0, gl.R32F, width, height, 0, gl.RED, gl.FLOAT, samples);
+    gl.uniform1i(places[grid.name], unit);
+  };
+
   // ---- the program ----
   let program, places;
   const compile = () => {
@@ -32,6 +47,7 @@
     }
     gl.useProgram(program);
     places = new Proxy({}, { get: (known, name) => known[name] ??= gl.getUniformLocation(program, name) });
+    model.grids.forEach(load);
     return true;
   };
   if (!compile()) return;

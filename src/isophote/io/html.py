@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import html
 import json
 import math
@@ -14,6 +15,7 @@ import numpy as np
 
 from isophote import __version__
 from isophote.convert.glsl import GlslField, to_glsl
+from isophote.convert.glsl_grid import GlslGrid
 from isophote.errors import FileError
 from isophote.io.files import StrPath, replacing
 from isophote.scene.camera import Camera
@@ -46,7 +48,12 @@ def page_of(shape: Field, title: str) -> str:
         raise FileError(title, "an endless field has no view of its own; intersect it with a box first")
     glsl = to_glsl(shape)
     scene = studio(shape)
-    model = {"title": title, "view": _view(scene), "parameters": _sliders(glsl)}
+    model = {
+        "title": title,
+        "view": _view(scene),
+        "parameters": _sliders(glsl),
+        "grids": [_texture(grid) for grid in glsl.grids],
+    }
     fields = {
         "title": html.escape(title),
         "generator": f"Isophote {__version__}",
@@ -74,6 +81,20 @@ def _file(name: str) -> str:
 def _sliders(glsl: GlslField) -> list[dict[str, Any]]:
     pairs = zip(glsl.parameters, glsl.uniforms, strict=True)
     return [{"name": p.name, "uniform": u, "value": float(p), "low": p.low, "high": p.high} for p, u in pairs]
+
+
+def _texture(grid: GlslGrid) -> dict[str, Any]:
+    """A grid's samples in 16 bits each, from the lowest to the highest: base64 takes a third more than bytes."""
+    low, high = float(grid.values.min()), float(grid.values.max())
+    step = (high - low) / 65535 or 1.0
+    levels = np.rint((grid.values - low) / step).astype("<u2")
+    return {
+        "name": grid.name,
+        "size": grid.values.shape[::-1],
+        "low": low,
+        "step": step,
+        "levels": base64.b64encode(levels.tobytes()).decode("ascii"),
+    }
 
 
 def _view(scene: Scene) -> dict[str, Any]:
