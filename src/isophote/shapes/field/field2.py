@@ -1,0 +1,105 @@
+"""`Field2`: a signed distance field in the plane, negative inside, as users hold it."""
+
+from __future__ import annotations
+
+import math
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from isophote.shapes.field import evaluate
+from isophote.shapes.field.combine import Difference, Intersection, Union
+from isophote.shapes.field.flat import Arc, Circle, Polygon, Rectangle, Segment, Star
+from isophote.shapes.field.form import Box, Exactness, Form
+
+__all__ = ["Field2", "arc", "circle", "polygon", "rectangle", "rounded_rectangle", "segment", "star"]
+
+PointLike = tuple[float, float]
+
+
+@attrs.frozen(repr=False)
+class Field2:
+    """A signed distance field in the plane; operators and methods return new ones."""
+
+    form: Form
+
+    def __call__(self, points: npt.ArrayLike) -> npt.NDArray[np.float32]:
+        """(n,) float32 values at points (n, 2): negative inside."""
+        return evaluate.values(self.form, points)
+
+    @property
+    def bounds(self) -> Box:
+        """(2, 2): a box that holds all points where the field is not positive."""
+        return self.form.bounds
+
+    @property
+    def exactness(self) -> Exactness:
+        """How far the values can be trusted."""
+        return self.form.exactness
+
+    def __or__(self, other: Field2) -> Field2:
+        return self.union(other)
+
+    def __and__(self, other: Field2) -> Field2:
+        return self.intersection(other)
+
+    def __sub__(self, other: Field2) -> Field2:
+        return self.difference(other)
+
+    def union(self, *others: Field2, blend: float = 0.0) -> Field2:
+        """What is inside any of these."""
+        return Field2(Union((self.form, *(o.form for o in others)), blend))
+
+    def intersection(self, *others: Field2, blend: float = 0.0) -> Field2:
+        """What is inside all of these."""
+        return Field2(Intersection((self.form, *(o.form for o in others)), blend))
+
+    def difference(self, *others: Field2, blend: float = 0.0) -> Field2:
+        """What is inside this one and outside the others."""
+        return Field2(Difference((self.form, *(o.form for o in others)), blend))
+
+    def __repr__(self) -> str:
+        return self.form.spelled()
+
+
+def circle(radius: float) -> Field2:
+    """A disk about the origin."""
+    return Field2(Circle(radius))
+
+
+def rectangle(size: float | PointLike) -> Field2:
+    """A rectangle about the origin, with full side lengths `size`."""
+    return Field2(Rectangle(size))  # type: ignore[arg-type]
+
+
+def rounded_rectangle(size: float | PointLike, radius: float) -> Field2:
+    """A rectangle about the origin, with full side lengths `size` and its corners rounded by `radius`."""
+    return Field2(Rectangle(size, radius))  # type: ignore[arg-type]
+
+
+def polygon(points: npt.ArrayLike) -> Field2:
+    """What a closed outline (n, 2) winds round, or a list of such outlines: nonzero winding rule.
+
+    Outlines may cross and touch themselves and each other; a hole is an outline that runs the other way round.
+    Raises `GeometryError` for coordinates that are not finite and for outlines that enclose nothing.
+    """
+    return Field2(Polygon(points))
+
+
+def star(points: int, radius: float, inner: float) -> Field2:
+    """A star about the origin with `points` tips at `radius`, the first along +y, and notches at `inner`."""
+    return Field2(Star(points, radius, inner))
+
+
+def segment(start: PointLike, end: PointLike, radius: float) -> Field2:
+    """All within `radius` of the line segment from `start` to `end`."""
+    return Field2(Segment(start, end, radius))
+
+
+def arc(radius: float, thickness: float, start: float = 0.0, end: float = math.tau) -> Field2:
+    """A stroke along a circle about the origin from the angle `start` to `end`, anticlockwise from +x, with round ends.
+
+    `thickness` is its full width. Angles are in radians; `end` is above `start` by 2π at most.
+    """
+    return Field2(Arc(radius, thickness, start, end))
