@@ -10,7 +10,7 @@ from typing import Any
 
 # Public name → the module of this package that defines it.
 _HOME: dict[str, str] = {
-    "ClosestPoints": "distance",
+    "ClosestPoints": "closeness",
     "Components": "connectivity.components",
     "HalfEdges": "connectivity.half_edges",
     "MassProperties": "mass",
@@ -18,9 +18,9 @@ _HOME: dict[str, str] = {
     "Topology": "connectivity.topology",
     "area": "mass",
     "boolean": "solids",
-    "closest_point": "distance",
+    "closest_point": "closeness",
     "contains": "inside",
-    "distance": "distance",
+    "distance": "closeness",
     "half_edges": "connectivity.half_edges",
     "incircle": "predicates",
     "insphere": "predicates",
@@ -29,7 +29,7 @@ _HOME: dict[str, str] = {
     "orient2d": "predicates",
     "orient3d": "predicates",
     "repair": "mending.repair",
-    "signed_distance": "distance",
+    "signed_distance": "closeness",
     "topology": "connectivity.topology",
     "winding_number": "inside",
 }

@@ -239,5 +239,5 @@ def closest_points(words, points, begin, end, places, distances, numbers, weight
         nearest = nearest_on_slot(mesh.corners, slot, x, y, z)
         places[i, 0], places[i, 1], places[i, 2] = nearest.x / scale, nearest.y / scale, nearest.z / scale
         numbers[i] = load_int(mesh.blocks, slot // LANES * BLOCK + NUMBER + slot % LANES)
-        weights[i, 0] = 1.0 - nearest.weight1 - nearest.weight2
+        weights[i, 0] = max(0.0, 1.0 - nearest.weight1 - nearest.weight2)
         weights[i, 1], weights[i, 2] = nearest.weight1, nearest.weight2

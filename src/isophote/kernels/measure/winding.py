@@ -50,6 +50,8 @@ _NOTHING = np.int64(0)
 _PART, _LEAST = np.float32(2.0**-20), np.float32(2.0**-40)
 # What underflow may add to the determinants of coordinates in the mesh's frame.
 _UNDERFLOW = 2.0**-500
+# An angle of hardly less than ±π keeps its sign by such an imaginary part.
+_HARDLY = 2.0**-900
 
 
 # --- which triangles the ray meets ----------------------------------------------------------------
@@ -245,7 +247,7 @@ def rim_angle(mesh, x, y, z, up):
         r, i = _half_angle(ax - x, ay - y, rim[2, k] - z, bx - x, by - y, rim[5, k] - z, up)
         if r <= 0.0:
             side = _moved_side(x, y, ax, ay, bx, by, orient2d(x, y, ax, ay, bx, by))
-            i = math.copysign(i, np.float64(-up * side))
+            i = math.copysign(max(abs(i), _HARDLY), np.float64(-up * side))
         size = 1.0 / (abs(r) + abs(i))
         r, i = r * size, i * size
         was = imaginary
@@ -271,7 +273,7 @@ def winding_of(mesh, x, y, z, stack):
 
 @kernel
 def winding_numbers(words, points, begin, end, numbers, on):
-    """Fill `numbers` (n,) with winding numbers, `on` (n,) int32 with 1 for points on the mesh, for rows `begin` to `end`."""
+    """Fill `numbers` (n,) with winding numbers, and `on` (n,) int32 with 1 for points on the mesh: a range of rows."""
     mesh = open_mesh(words)
     stack = np.empty(STACK_WORDS, np.float32)
     scale = mesh.frame[0, 3]

@@ -1,0 +1,93 @@
+"""Meshes and points made ready for queries: checked, cut into triangles, with a tree kept for the next query."""
+
+from __future__ import annotations
+
+import threading
+import weakref
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from isophote.accel.mesh_distance import MeshDistance, build_mesh_distance
+from isophote.convert.triangulate import Triangles, triangulate
+from isophote.errors import GeometryError
+from isophote.kernels.measure.mesh_distance import FURTHEST
+from isophote.shapes.mesh import Mesh
+
+__all__ = ["Prepared", "points_for", "prepared"]
+
+
+class Prepared(NamedTuple):
+    """A mesh's triangles, and its table for distances and winding numbers."""
+
+    triangles: Triangles
+    distance: MeshDistance
+
+
+class _Latest:
+    """What was prepared last; let go as soon as its mesh is."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._kept: tuple[tuple[weakref.ref[npt.NDArray[Any]], ...], Prepared] | None = None
+
+    def find(self, mesh: Mesh) -> Prepared | None:
+        with self._lock:
+            kept = self._kept
+        if kept is None:
+            return None
+        same = all(ref() is own for ref, own in zip(kept[0], _arrays(mesh), strict=True))
+        return kept[1] if same else None
+
+    def keep(self, mesh: Mesh, made: Prepared) -> None:
+        refs = tuple(weakref.ref(own, self._forget) for own in _arrays(mesh))
+        with self._lock:
+            self._kept = refs, made
+
+    def _forget(self, dead: weakref.ref[npt.NDArray[Any]]) -> None:
+        # No lock: a collection may call this while one is held, and setting a name is atomic.
+        kept = self._kept
+        if kept is not None and any(dead is ref for ref in kept[0]):
+            self._kept = None
+
+
+def _arrays(mesh: Mesh) -> tuple[npt.NDArray[Any], ...]:
+    """The arrays that make a mesh what it is to queries. They cannot be written to, so they stand for the mesh."""
+    return mesh.vertices, mesh.indices, mesh.offsets
+
+
+_latest = _Latest()
+
+
+def prepared(mesh: Mesh) -> Prepared:
+    """The mesh made ready for queries, or what was made of it for the last one."""
+    found = _latest.find(mesh)
+    if found is None:
+        triangles = triangulate(mesh)
+        found = Prepared(triangles, build_mesh_distance(mesh.vertices, triangles.triangles))
+        _latest.keep(mesh, found)
+    return found
+
+
+def points_for(points: npt.ArrayLike, mesh: MeshDistance) -> npt.NDArray[np.float64]:
+    """Query points as (n, 3) contiguous float64.
+
+    Raises `GeometryError` for other shapes, points that are not finite, and points so far away that square distances
+    overflow (1e150 sizes of the mesh).
+    """
+    try:
+        # Writeable: for arrays that are not, kernels would be compiled once more.
+        given = np.require(points, np.float64, ["C", "W"])
+    except (TypeError, ValueError) as error:
+        raise GeometryError(f"points must be numbers of shape (n, 3): {error}") from error
+    if given.shape == (3,):
+        given = given[None]
+    if given.ndim != 2 or given.shape[1] != 3:
+        raise GeometryError(f"points must have shape (n, 3), but have {given.shape}")
+    # NaN fails the comparison too.
+    near = np.abs(given).max(axis=1, initial=0.0) < FURTHEST / mesh.scale
+    if not near.all():
+        bad = int(np.argmin(near))
+        raise GeometryError(f"point {bad} is not finite, or too far from the mesh: {given[bad].tolist()}")
+    return given
