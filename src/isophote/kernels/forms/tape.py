@@ -23,6 +23,7 @@ from isophote.kernels.base.simd import (
     square_root,
     store16,
 )
+from isophote.kernels.base.simd_math import arc_cosine, arc_sine, arc_tangent, cosine, exponential, logarithm, sine
 from isophote.kernels.forms import opcodes as op
 from isophote.kernels.forms.field_data import open_field_data
 
@@ -141,6 +142,27 @@ def run_tape(rows, first, count, data, slots, width):
         elif code == op.ROUND:
             for j in range(0, end, 16):
                 store16(slots, out + j, round_even(load16(slots, a + j)))
+        elif code == op.SINE:
+            for j in range(0, end, 16):
+                store16(slots, out + j, sine(load16(slots, a + j)))
+        elif code == op.COSINE:
+            for j in range(0, end, 16):
+                store16(slots, out + j, cosine(load16(slots, a + j)))
+        elif code == op.ARC_SINE:
+            for j in range(0, end, 16):
+                store16(slots, out + j, arc_sine(load16(slots, a + j)))
+        elif code == op.ARC_COSINE:
+            for j in range(0, end, 16):
+                store16(slots, out + j, arc_cosine(load16(slots, a + j)))
+        elif code == op.EXPONENTIAL:
+            for j in range(0, end, 16):
+                store16(slots, out + j, exponential(load16(slots, a + j)))
+        elif code == op.LOGARITHM:
+            for j in range(0, end, 16):
+                store16(slots, out + j, logarithm(load16(slots, a + j)))
+        elif code == op.ARC_TANGENT:
+            for j in range(0, end, 16):
+                store16(slots, out + j, arc_tangent(load16(slots, a + j), load16(slots, b + j)))
         elif code == op.COPY:
             for j in range(0, end, 16):
                 store16(slots, out + j, load16(slots, a + j))

@@ -22,6 +22,7 @@ from isophote.kernels.base.simd import (
     square_root,
     store16,
 )
+from isophote.kernels.base.simd_math import arc_cosine, arc_sine, arc_tangent, cosine, exponential, logarithm, sine
 from isophote.kernels.forms import opcodes as op
 from isophote.kernels.forms.tape import smooth_maximum, smooth_minimum
 
@@ -44,6 +45,13 @@ def _quotient(a, b):
 def _share(a, b, k):
     """Derivative of the smooth minimum by its first argument."""
     return minimum(maximum(splat16(_HALF) - (a - b) * splat16(_HALF / k), splat16(_ZERO)), splat16(_ONE))
+
+
+@device
+def _arc_slope(x):
+    """Derivative of the arc sine, 0 where it is clamped."""
+    one = splat16(_ONE)
+    return _quotient(one, square_root(maximum(one - x * x, splat16(_ZERO))))
 
 
 @device
@@ -122,6 +130,22 @@ def run_gradients(rows, first, count, data, slots):
             value = floor(x)
         elif code == op.ROUND:
             value = round_even(x)
+        elif code == op.SINE:
+            value, p = sine(x), cosine(x)
+        elif code == op.COSINE:
+            value, p = cosine(x), zero - sine(x)
+        elif code == op.ARC_SINE:
+            value, p = arc_sine(x), _arc_slope(x)
+        elif code == op.ARC_COSINE:
+            value, p = arc_cosine(x), zero - _arc_slope(x)
+        elif code == op.EXPONENTIAL:
+            value = exponential(x)
+            p = value
+        elif code == op.LOGARITHM:
+            value, p = logarithm(x), one / x
+        elif code == op.ARC_TANGENT:
+            square = x * x + y * y
+            value, p, q = arc_tangent(x, y), _quotient(y, square), zero - _quotient(x, square)
         elif code == op.COPY:
             p = one
         elif code == op.CONSTANT:

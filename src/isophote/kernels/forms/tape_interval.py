@@ -30,14 +30,21 @@ from isophote.kernels.base.simd import (
     store16,
     store_int,
 )
+from isophote.kernels.base.simd_math import arc_cosine, arc_sine, arc_tangent, cosine, exponential, logarithm, sine
 from isophote.kernels.forms import opcodes as op
 from isophote.kernels.forms.interval import (
     absolute_interval,
+    arc_cosine_interval,
+    arc_sine_interval,
+    arc_tangent_interval,
     downward,
+    exponential_interval,
     length_interval,
+    logarithm_interval,
     multiply_interval,
     reciprocal_interval,
     upward,
+    wave_interval,
 )
 from isophote.kernels.forms.tape import smooth_maximum, smooth_minimum
 
@@ -46,6 +53,8 @@ __all__ = ["REGION_HIGH", "REGION_MIDDLE", "REGION_SLOT", "run_intervals"]
 REGION_MIDDLE, REGION_HIGH, REGION_SLOT = 16, 32, 48
 
 _ROW = np.int64(op.ROW)
+# Turns to add, so that the peaks of the sine are at whole ones.
+_PEAK_OF_SINE = np.float32(-0.25)
 _ZERO, _STEP, _INFINITY = np.float32(0), np.float32(2.0**-21), np.float32(np.inf)
 
 
@@ -168,6 +177,27 @@ def run_intervals(rows, first, count, data, slots, choices):
             low, middle, high = floor(p), floor(x), floor(q)
         elif code == op.ROUND:
             low, middle, high = round_even(p), round_even(x), round_even(q)
+        elif code == op.SINE:
+            low, high = wave_interval(p, q, sine(p), sine(q), _PEAK_OF_SINE)
+            middle = sine(x)
+        elif code == op.COSINE:
+            low, high = wave_interval(p, q, cosine(p), cosine(q), _ZERO)
+            middle = cosine(x)
+        elif code == op.ARC_SINE:
+            low, high = arc_sine_interval(p, q)
+            middle = arc_sine(x)
+        elif code == op.ARC_COSINE:
+            low, high = arc_cosine_interval(p, q)
+            middle = arc_cosine(x)
+        elif code == op.EXPONENTIAL:
+            low, high = exponential_interval(p, q)
+            middle = exponential(x)
+        elif code == op.LOGARITHM:
+            low, high = logarithm_interval(p, q)
+            middle = logarithm(x)
+        elif code == op.ARC_TANGENT:
+            low, high = arc_tangent_interval(p, q, r, s)
+            middle = arc_tangent(x, y)
         elif code == op.COPY:
             low, middle, high = p, x, q
         elif code == op.CONSTANT:
