@@ -58,6 +58,7 @@ _HOME = {
     "segment": "shapes.field.field2",
     "star": "shapes.field.field2",
     "studio": "scene.studio",
+    "text": "shapes.field.field2",
     "to_glsl": "convert.glsl",
     "triangulate": "convert.triangulate",
 }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 
 import attrs
 import numpy as np
@@ -12,8 +13,9 @@ from isophote.shapes.field import evaluate
 from isophote.shapes.field.combine import Difference, Intersection, Union
 from isophote.shapes.field.flat import Arc, Circle, Polygon, Rectangle, Segment, Star
 from isophote.shapes.field.form import Box, Exactness, Form
+from isophote.shapes.field.text import Text
 
-__all__ = ["Field2", "arc", "circle", "polygon", "rectangle", "rounded_rectangle", "segment", "star"]
+__all__ = ["Field2", "arc", "circle", "polygon", "rectangle", "rounded_rectangle", "segment", "star", "text"]
 
 PointLike = tuple[float, float]
 
@@ -103,3 +105,24 @@ def arc(radius: float, thickness: float, start: float = 0.0, end: float = math.t
     `thickness` is its full width. Angles are in radians; `end` is above `start` by 2π at most.
     """
     return Field2(Arc(radius, thickness, start, end))
+
+
+def text(
+    string: str,
+    font: str | os.PathLike[str] | None = None,
+    *,
+    size: float = 1.0,
+    align: str = "left",
+    leading: float = 1.2,
+) -> Field2:
+    """Text by its true outlines, in any TrueType or OpenType font, kerned; lines are parted by "\\n".
+
+    `font` is a file, the name of an installed font, or None for one that most machines have. `size` is the em: capitals
+    are about 0.7 of it tall. The first line stands on y = 0; "left", "centre" or "right" of its lines are at x = 0, as
+    `align` says; baselines are `leading` ems apart. Quadratic outlines are kept as they are, cubic ones become
+    quadratic within 1e-4 em. Characters are set one by one: there are no ligatures and no scripts that join letters.
+
+    Raises `GeometryError` for text that draws nothing, fonts that are not installed, and characters that the font does
+    not have; `FileError` for files that are no fonts.
+    """
+    return Field2(Text(string, font, size, align, leading))
