@@ -7,15 +7,15 @@ from typing import Any
 import numpy as np
 import pytest
 
+from field_tapes import INPUTS, bounds_of, gradients_of, shortened, tape_row, values_of
 from isophote.kernels.forms import opcodes
 from isophote.shapes.field.operators import OPERATORS, Operator
-from field_tapes import INPUTS, bounds_of, gradients_of, shortened, tape_row, values_of
 
 TABLES = ("OUTLINE", "GRID2", "GRID3", "MESH")
 NAMES = [name for name in OPERATORS if name not in TABLES]
 
 # Constants that an operator is tried with, in single precision.
-CONSTANTS = {name: (0.75, -1.25, 40.0) for name in NAMES}
+CONSTANTS = dict.fromkeys(NAMES, (0.75, -1.25, 40.0))
 CONSTANTS |= {"SMOOTH_MINIMUM": (0.5, 0.01, 20.0), "SMOOTH_MAXIMUM": (0.5, 0.01, 20.0)}
 
 SPECIAL = np.array([0.0, -0.0, 1.0, -1.0, 0.5, -2.0, 1e-30, 3e5], np.float32)
@@ -150,7 +150,8 @@ def test_derivatives(name: str) -> None:
 
 
 CHOOSING = [
-    "ABSOLUTE", "MINIMUM", "MAXIMUM", "MINIMUM_CONSTANT", "MAXIMUM_CONSTANT", "SMOOTH_MINIMUM", "SMOOTH_MAXIMUM", "SELECT",
+    "ABSOLUTE", "MINIMUM", "MAXIMUM", "MINIMUM_CONSTANT", "MAXIMUM_CONSTANT", "SMOOTH_MINIMUM", "SMOOTH_MAXIMUM",
+    "SELECT",
 ]  # fmt: skip
 
 

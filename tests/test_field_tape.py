@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 import pytest
-from field_tapes import INPUTS, bounds_of, gradients_of, shortened, values_of
 
+from field_tapes import INPUTS, bounds_of, gradients_of, shortened, values_of
 from isophote.kernels.forms import opcodes
 from isophote.shapes.field.field import Field, box, cylinder, sphere
 from isophote.shapes.field.tape import numpy_values, tape_of
