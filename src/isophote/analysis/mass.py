@@ -20,6 +20,7 @@ __all__ = ["MassProperties", "area", "mass_properties"]
 Points = npt.NDArray[np.float64]
 
 _GRAIN = 1 << 16
+_ROUNDING = 1e-15
 
 
 @attrs.frozen(eq=False)
@@ -53,13 +54,14 @@ def mass_properties(mesh: Mesh) -> MassProperties:
     """
     _check_bounds_a_solid(mesh, topology(mesh))
     origin = mesh.bounds.mean(axis=0)
-    sums = [_moments(corners - origin) for corners in _triangles(mesh)]
-    volume, surface = (_total([np.array(part[i]) for part in sums]) for i in (0, 3))
-    first, second = _total([part[1] for part in sums]), _total([part[2] for part in sums])
+    # What overflows is told below.
+    with np.errstate(over="ignore", invalid="ignore"):
+        sums = [_moments(corners - origin) for corners in _triangles(mesh)]
+    volume, first, second, surface, size = (_total([np.asarray(part[i]) for part in sums]) for i in range(5))
     if not (np.isfinite(second).all() and math.isfinite(float(volume))):
         raise GeometryError("the mesh is too large for its inertia to be a finite number; scale it down")
-    if volume == 0:
-        raise GeometryError("the mesh has no volume, and so no centre of mass")
+    if abs(volume) <= _ROUNDING * size:
+        raise GeometryError("the mesh has no volume, or one too small for a number, and so no centre of mass")
     offset = first / volume
     about_centroid = second - volume * np.outer(offset, offset)
     about_centroid = (about_centroid + about_centroid.T) / 2
@@ -83,8 +85,8 @@ def _doubled(corners: Points) -> Points:
     return np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
 
 
-def _moments(corners: Points) -> tuple[float, Points, Points, float]:
-    """Volume, ∫ r dV, ∫ r rᵀ dV between the origin and some triangles, and their area.
+def _moments(corners: Points) -> tuple[float, Points, Points, float, float]:
+    """Volume, ∫ r dV, ∫ r rᵀ dV between the origin and some triangles, their area, and all volumes without a sign.
 
     With d = det(a, b, c) and s = a + b + c these are d / 6, d s / 24 and d (a aᵀ + b bᵀ + c cᵀ + s sᵀ) / 120.
     """
@@ -94,7 +96,7 @@ def _moments(corners: Points) -> tuple[float, Points, Points, float]:
     spread = np.einsum("t,tki,tkj->ij", det, corners, corners, optimize=True)
     spread += np.einsum("t,ti,tj->ij", det, total, total, optimize=True)
     surface = np.linalg.norm(doubled, axis=1).sum() / 2
-    return float(det.sum() / 6), det @ total / 24, spread / 120, float(surface)
+    return float(det.sum() / 6), det @ total / 24, spread / 120, float(surface), float(np.abs(det).sum() / 6)
 
 
 def _total(parts: list[Points]) -> Points:

@@ -7,12 +7,12 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from isophote.analysis.connectivity.stars import Ints, Longs, Stars
+from isophote.analysis.connectivity.stars import Faces, Ints, Longs, Stars
 from isophote.analysis.crew import run
 from isophote.kernels.measure import stars as kernels
 from isophote.kernels.measure.pieces import trace_loops
 
-__all__ = ["Chains", "Details", "look_closer", "trace"]
+__all__ = ["Chains", "Details", "Walks", "look_closer", "passed_vertices", "trace"]
 
 
 class Details(NamedTuple):
@@ -38,6 +38,14 @@ class Chains(NamedTuple):
 
     half_edges: Longs
     backward: npt.NDArray[np.bool_]
+    starts: Longs
+    is_open: npt.NDArray[np.bool_]
+
+
+class Walks(NamedTuple):
+    """The vertices that chains pass, those of open ones with both ends: `vertices[starts[i]:starts[i + 1]]`."""
+
+    vertices: Ints
     starts: Longs
     is_open: npt.NDArray[np.bool_]
 
@@ -69,3 +77,12 @@ def trace(details: Details) -> Chains:
     count = trace_loops(partner, crowded, order, starts, is_open)
     order = order[: starts[count]]
     return Chains(lone[order >> 1], (order & 1).astype(bool), starts[: count + 1], is_open[:count])
+
+
+def passed_vertices(faces: Faces, chains: Chains) -> Walks:
+    """The vertices that chains pass."""
+    begins, ends = faces.indices[chains.half_edges], faces.indices[faces.ahead(chains.half_edges)]
+    entered, left = np.where(chains.backward, ends, begins), np.where(chains.backward, begins, ends)
+    last = chains.starts[1:][chains.is_open]
+    vertices = np.insert(entered, last, left[last - 1])
+    return Walks(vertices, chains.starts + np.concatenate([[0], np.cumsum(chains.is_open)]), chains.is_open)

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from isophote.analysis.arrays import read_only
-from isophote.analysis.connectivity.boundary import Chains, Details, look_closer, trace
+from isophote.analysis.connectivity.boundary import Chains, Details, Walks, look_closer, passed_vertices, trace
 from isophote.analysis.connectivity.components import Components, Pieces, find_pieces
 from isophote.analysis.connectivity.sheets import find_sheets
 from isophote.analysis.connectivity.stars import Faces, Longs, Stars, as_mesh, gather, pick_sound_faces
@@ -65,9 +65,7 @@ class Topology:
     turned_edges: npt.NDArray[np.int32] = attrs.field(repr=False, converter=read_only)
     unused_vertices: npt.NDArray[np.int64] = attrs.field(repr=False, converter=read_only)
     degenerate_faces: npt.NDArray[np.int64] = attrs.field(repr=False, converter=read_only)
-    _walk: npt.NDArray[np.int32] = attrs.field(repr=False, converter=read_only)
-    _walk_starts: npt.NDArray[np.int64] = attrs.field(repr=False, converter=read_only)
-    _open: npt.NDArray[np.bool_] = attrs.field(repr=False, converter=read_only)
+    _walks: Walks = attrs.field(repr=False)
 
     @property
     def boundary_loops(self) -> tuple[npt.NDArray[np.int32], ...]:
@@ -75,26 +73,26 @@ class Topology:
 
         At a vertex of several fans a walk goes on along the fan by which it came.
         """
-        return self._walks(is_open=False)
+        return self._passed(is_open=False)
 
     @property
     def boundary_chains(self) -> tuple[npt.NDArray[np.int32], ...]:
         """The vertices of walks along the boundary that end at non-manifold edges; none on a manifold."""
-        return self._walks(is_open=True)
+        return self._passed(is_open=True)
 
     @property
     def loop_count(self) -> int:
         """How many `boundary_loops` there are."""
-        return int((~self._open).sum())
+        return int((~self._walks.is_open).sum())
 
     @property
     def gauss_bonnet_error(self) -> float:
         """angle_deficit + boundary_turning − 2πχ: rounding."""
         return math.fsum([self.angle_deficit, self.boundary_turning, -2 * math.pi * self.euler])
 
-    def _walks(self, *, is_open: bool) -> tuple[npt.NDArray[np.int32], ...]:
-        chosen = np.flatnonzero(self._open == is_open)
-        return tuple(self._walk[self._walk_starts[i] : self._walk_starts[i + 1]] for i in chosen)
+    def _passed(self, *, is_open: bool) -> tuple[npt.NDArray[np.int32], ...]:
+        vertices, starts = read_only(self._walks.vertices), self._walks.starts
+        return tuple(vertices[starts[i] : starts[i + 1]] for i in np.flatnonzero(self._walks.is_open == is_open))
 
 
 def topology(mesh: Mesh) -> Topology:
@@ -139,9 +137,7 @@ def topology(mesh: Mesh) -> Topology:
         turned_edges=_edges(faces, found.details.half_edges(kernels.EDGE_TURNED)),
         unused_vertices=np.flatnonzero(degree == 0),
         degenerate_faces=faces.degenerate,
-        walk=found.walk(faces),
-        walk_starts=found.chains.starts,
-        open=found.chains.is_open,
+        walks=passed_vertices(faces, found.chains),
     )
 
 
@@ -156,11 +152,6 @@ def survey(stars: Stars) -> tuple[npt.NDArray[np.int32], npt.NDArray[np.uint8]]:
 class _Found(NamedTuple):
     details: Details
     chains: Chains
-
-    def walk(self, faces: Faces) -> npt.NDArray[np.int32]:
-        """The vertex at which each half-edge of the walks is entered."""
-        half_edges = self.chains.half_edges
-        return faces.indices[np.where(self.chains.backward, faces.ahead(half_edges), half_edges)]
 
 
 def _details(stars: Stars, chosen: Longs) -> _Found:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from isophote.analysis.connectivity.boundary import Chains, look_closer, trace
+from isophote.analysis.connectivity.boundary import Chains, look_closer, passed_vertices, trace
 from isophote.analysis.connectivity.stars import Faces, gather, pick_sound_faces
 from isophote.analysis.connectivity.topology import survey
 from isophote.analysis.mending.edit import Edit, Longs, unchanged
@@ -63,17 +63,13 @@ def _loops(faces: Faces) -> tuple[list[_Loop], tuple[Longs, ...]]:
     _, kind = survey(stars)
     details = look_closer(stars, np.flatnonzero(kind > kernels.INSIDE))
     walks = trace(details)
-    loops, chains = [], []
-    for i in range(len(walks.is_open)):
-        loop = _loop(faces, walks, slice(int(walks.starts[i]), int(walks.starts[i + 1])))
-        if walks.is_open[i]:
-            chains.append(loop.vertices)
-        else:
-            loops.append(loop)
-    return loops, tuple(chains)
+    passed, starts, is_open = passed_vertices(faces, walks)
+    chains = tuple(passed[starts[i] : starts[i + 1]].astype(np.int64) for i in np.flatnonzero(is_open))
+    return [_loop(faces, walks, i) for i in np.flatnonzero(~is_open).tolist()], chains
 
 
-def _loop(faces: Faces, walks: Chains, part: slice) -> _Loop:
+def _loop(faces: Faces, walks: Chains, number: int) -> _Loop:
+    part = slice(int(walks.starts[number]), int(walks.starts[number + 1]))
     half_edges, backward = walks.half_edges[part], walks.backward[part]
     vertices = faces.indices[np.where(backward, faces.ahead(half_edges), half_edges)].astype(np.int64)
     beside = faces.of_half_edges(half_edges)
