@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Callable
 
 import attrs
 import numpy as np
@@ -11,8 +12,11 @@ import numpy.typing as npt
 
 from isophote.shapes.field import evaluate
 from isophote.shapes.field.combine import Difference, Intersection, Union
+from isophote.shapes.field.field import Field
 from isophote.shapes.field.flat import Arc, Circle, Polygon, Rectangle, Segment, Star
 from isophote.shapes.field.form import Box, Exactness, Form
+from isophote.shapes.field.lift import Extrude, Revolve
+from isophote.shapes.field.sweep import Sweep, sampled_path
 from isophote.shapes.field.text import Text
 
 __all__ = ["Field2", "arc", "circle", "polygon", "rectangle", "rounded_rectangle", "segment", "star", "text"]
@@ -60,6 +64,28 @@ class Field2:
     def difference(self, *others: Field2, blend: float = 0.0) -> Field2:
         """What is inside this one and outside the others."""
         return Field2(Difference((self.form, *(o.form for o in others)), blend))
+
+    def extrude(self, height: float) -> Field:
+        """The solid that is drawn out along z, by half of `height` both ways; a distance where this one is."""
+        return Field(Extrude(self.form, height))
+
+    def revolve(self, offset: float = 0.0) -> Field:
+        """The solid of what lies right of x = 0, moved by `offset` along x first, turned about the y axis.
+
+        A distance where this one is and nothing lies left of the axis. Raises `GeometryError` where nothing lies right.
+        """
+        return Field(Revolve(self.form, offset))
+
+    def sweep(self, path: npt.ArrayLike | Callable[[float], npt.ArrayLike], samples: int = 64) -> Field:
+        """The solid of this form moved along a path: points (n, 3), or a function of t from 0 to 1 that gives points.
+
+        A function is sampled at `samples` + 1 even steps. The form stands upright across the path, its x to the right
+        of who looks back along it, its y up, and is carried on without twist; bends are mitred, ends are flat, and a
+        path that ends where it starts is closed. Values are bounds of the distance, with exact signs.
+
+        Raises `GeometryError` for points that are not finite or follow on themselves, and paths that turn back.
+        """
+        return Field(Sweep(self.form, sampled_path(path, samples)))
 
     def __repr__(self) -> str:
         return self.form.spelled()
