@@ -45,7 +45,7 @@ def incircle(a: npt.ArrayLike, b: npt.ArrayLike, c: npt.ArrayLike, d: npt.ArrayL
 
 
 def insphere(a: npt.ArrayLike, b: npt.ArrayLike, c: npt.ArrayLike, d: npt.ArrayLike, e: npt.ArrayLike) -> Signs:
-    """Whether e lies inside the sphere through a, b, c, d, with orient3d(a, b, c, d) = 1: 1 inside, -1 outside, 0 on it.
+    """Whether e lies inside the sphere through a, b, c, d, with orient3d(a, b, c, d) = 1: 1 in, -1 out, 0 on it.
 
     The sign of the determinant with the rows (p - e, |p - e|²) for p = a, b, c, d, exact for all finite doubles; it
     changes with the sign of `orient3d`. Points are (..., 3); else as `orient2d`.

@@ -16,7 +16,7 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-from isophote.kernels.base.jit import exact_device
+from isophote.kernels.base.jit import exact_apart, exact_device
 
 __all__ = [
     "determinant_sign",
@@ -233,7 +233,7 @@ def determinant_sign(points, dimension, lifted):
     return _array_sign(coordinates, dimension, lifted)
 
 
-@exact_device
+@exact_apart
 def _array_sign(points, dimension, lifted):
     rows = len(points) // dimension
     total = np.zeros(_LIMBS, np.int64)

@@ -22,7 +22,7 @@ from numba.core.typed_passes import NativeLowering
 
 from isophote.kernels.base import cache
 
-__all__ = ["device", "exact_device", "exact_kernel", "kernel"]
+__all__ = ["device", "exact_apart", "exact_device", "exact_kernel", "kernel"]
 
 cache.install()
 
@@ -48,14 +48,40 @@ class _DeviceLowering(NativeLowering):
         return True
 
 
+@register_pass(mutates_CFG=True, analysis_only=False)
+class _ApartLowering(_DeviceLowering):
+    """As `_DeviceLowering`, but optimised here, once, and never again or into its callers.
+
+    Every function is otherwise optimised again with each of its callers, and theirs.
+    """
+
+    _name = "isophote_apart_lowering"
+
+    def run_pass(self, state):
+        super().run_pass(state)
+        library = state.library
+        library._ensure_finalized()
+        for compiled in library._final_module.functions:
+            if not compiled.is_declaration:
+                compiled.add_function_attribute("noinline")
+                compiled.add_function_attribute("optnone")
+        return True
+
+
 class _DeviceCompiler(CompilerBase):
+    lowering = _DeviceLowering
+
     def define_pipelines(self):
         builder = DefaultPassBuilder.define_nopython_pipeline(self.state)
         builder.passes = [
-            (_DeviceLowering, why) if step is NativeLowering else (step, why) for step, why in builder.passes
+            (self.lowering, why) if step is NativeLowering else (step, why) for step, why in builder.passes
         ]
         builder.finalize()
         return [builder]
+
+
+class _ApartCompiler(_DeviceCompiler):
+    lowering = _ApartLowering
 
 
 def kernel(function: Callable[..., Any]) -> Any:
@@ -76,3 +102,8 @@ def exact_kernel(function: Callable[..., Any]) -> Any:
 def exact_device(function: Callable[..., Any]) -> Any:
     """Compile a function that kernels call, without contraction."""
     return njit(function, nogil=True, error_model="numpy", pipeline_class=_DeviceCompiler)
+
+
+def exact_apart(function: Callable[..., Any]) -> Any:
+    """Compile a function that is long and seldom called, without contraction; callers compile as if it were short."""
+    return njit(function, nogil=True, error_model="numpy", pipeline_class=_ApartCompiler)

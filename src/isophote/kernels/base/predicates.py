@@ -26,7 +26,7 @@ from isophote.kernels.base.exact import (
     pair_subtract,
     two_difference,
 )
-from isophote.kernels.base.jit import exact_device
+from isophote.kernels.base.jit import exact_apart, exact_device
 
 __all__ = [
     "INCIRCLE_BOUND",
@@ -92,7 +92,7 @@ def orient2d(ax, ay, bx, by, cx, cy):
     return _orient2d_closely(ax, ay, bx, by, cx, cy)
 
 
-@exact_device
+@exact_apart
 def _orient2d_closely(ax, ay, bx, by, cx, cy):
     adx, ady = two_difference(ax, cx), two_difference(ay, cy)
     bdx, bdy = two_difference(bx, cx), two_difference(by, cy)
@@ -145,7 +145,7 @@ def _pair_lift2(x, y):
     return pair_add(pair_multiply(x, x), pair_multiply(y, y))
 
 
-@exact_device
+@exact_apart
 def _incircle_closely(ax, ay, bx, by, cx, cy, dx, dy):
     adx, ady = two_difference(ax, dx), two_difference(ay, dy)
     bdx, bdy = two_difference(bx, dx), two_difference(by, dy)
@@ -190,7 +190,7 @@ def orient3d(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz):
     return _orient3d_closely(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz)
 
 
-@exact_device
+@exact_apart
 def _orient3d_closely(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz):
     adx, ady, adz = two_difference(ax, dx), two_difference(ay, dy), two_difference(az, dz)
     bdx, bdy, bdz = two_difference(bx, dx), two_difference(by, dy), two_difference(bz, dz)
@@ -276,7 +276,7 @@ def _negative(a):
     return -a[0], -a[1]
 
 
-@exact_device
+@exact_apart
 def _insphere_closely(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, ex, ey, ez):
     aex, aey, aez = two_difference(ax, ex), two_difference(ay, ey), two_difference(az, ez)
     bex, bey, bez = two_difference(bx, ex), two_difference(by, ey), two_difference(bz, ez)

@@ -1,0 +1,1 @@
+"""Delaunay triangulations: of the plane, constrained and refined, of space, and by lifted hulls."""
