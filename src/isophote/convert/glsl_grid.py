@@ -37,7 +37,7 @@ class GlslGrid:
 
     @property
     def source(self) -> str:
-        """GLSL of the function `{name}At` of a point: linear between samples, and beyond them the distance added."""
+        """GLSL of the function `{name}At` of a point: linear between samples, beyond them as `GridData` says."""
         d = self.dimension
         size = f"vec{d}(" + ", ".join(f"{n}.0" for n in self.values.shape[::-1]) + ")"
         low = f"vec{d}(" + ", ".join(f"{v:.9g}" for v in self.low) + ")"
@@ -54,7 +54,8 @@ float {self.name}At(vec{d} p) {{
     vec{d} cell = min(floor(held), {size} - 2.0);
     vec{d} w = held - cell;
     ivec{d} at = ivec{d}(cell);
-    return {corners[0]} + length(place - held) * float({self.step:.9g});
+    float value = {corners[0]};
+    return length(vec2(max(value, 0.0), length(place - held) * float({self.step:.9g}))) + min(value, 0.0);
 }}"""
 
 

@@ -114,7 +114,8 @@ class GridData:
     """Samples on a grid of squares or cubes, linear between them along each axis.
 
     `values` is (ny, nx) or (nz, ny, nx) float32, 2 or more along each axis; sample (…, j, i) is at
-    low + step · (i, j, …). Beyond the grid the value is that at the nearest point of it, plus the distance to it.
+    low + step · (i, j, …). Beyond the grid, at a distance e from its nearest point, where the value is g, it is
+    √(max(g, 0)² + e²) + min(g, 0): of a distance to what lies within the grid's box, which is convex, this is a bound.
     """
 
     values: npt.NDArray[np.float32] = attrs.field(converter=_checked_samples)
@@ -128,29 +129,43 @@ class GridData:
 
     @cached_property
     def slope(self) -> float:
-        """A Lipschitz constant of the value: differences of neighbours bound the slopes within each cell."""
-        axes = range(self.dimension)
-        squares = np.zeros([n - 1 for n in self.values.shape])
-        for axis in axes:
-            rises = np.abs(np.diff(self.values.astype(np.float64), axis=axis))
-            for other in axes:
-                if other != axis:
-                    near = np.moveaxis(rises, other, 0)
-                    rises = np.moveaxis(np.maximum(near[:-1], near[1:]), 0, other)
-            squares += (rises / self.step) ** 2
-        # Beyond the grid the distance rises by 1 along one direction while the samples change along the others.
-        return float(np.sqrt(squares.max() + 1.0))
+        """A Lipschitz constant of the value: differences of neighbours bound the slopes within each cell.
+
+        Beyond the grid, where samples are above 0, the square of the slope is a mean of that of the samples and of 1;
+        where they are below 0, it is their sum, less the slope of the samples along the direction to the grid.
+        """
+        squares = np.stack([self._steepest(axis) ** 2 for axis in range(self.dimension)])
+        slope = max(squares.sum(axis=0).max(), 1.0)
+        if any((self.values.take(end, axis) < 0).any() for axis in range(self.dimension) for end in (0, -1)):
+            slope = max(slope, *((squares.sum(axis=0) - square).max() + 1.0 for square in squares))
+        return float(np.sqrt(slope))
+
+    def _steepest(self, axis: int) -> Floats:
+        """For each cell the steepest rise along an axis."""
+        rises = np.abs(np.diff(self.values.astype(np.float64), axis=axis)) / self.step
+        for other in range(self.dimension):
+            if other != axis:
+                near = np.moveaxis(rises, other, 0)
+                rises = np.moveaxis(np.maximum(near[:-1], near[1:]), 0, other)
+        return rises
 
     def value(self, *point: Any) -> Floats:
         """The value at (x, y) or (x, y, z)."""
         shape, coordinates = _flat(*point)
         cells, weights, beyond = self._cells(coordinates)
-        total = np.zeros(len(coordinates[0]))
-        for corner in np.ndindex(*(2,) * self.dimension):
-            weight = np.prod([w if c else 1 - w for w, c in zip(weights, corner, strict=True)], axis=0)
-            total += weight * self._samples(cells, corner)
-        values: Floats = total + np.sqrt((beyond**2).sum(axis=0))
+        held, away = self._held(cells, weights), np.sqrt((beyond**2).sum(axis=0))
+        values: Floats = np.hypot(np.maximum(held, 0.0), away) + np.minimum(held, 0.0)
         return values.reshape(shape)
+
+    def _held(self, cells: npt.NDArray[np.int64], weights: Floats, along: int | None = None) -> Floats:
+        """Samples of cells mixed by weights; with `along`, the slope of that along an axis."""
+        total = np.zeros(weights.shape[1])
+        for corner in np.ndindex(*(2,) * self.dimension):
+            factors = [w if c else 1 - w for w, c in zip(weights, corner, strict=True)]
+            if along is not None:
+                factors[along] = np.full_like(total, 1 / self.step if corner[along] else -1 / self.step)
+            total += np.prod(factors, axis=0) * self._samples(cells, corner)
+        return total
 
     def interval(self, *intervals: Interval) -> Interval:
         """An interval that holds the values over boxes."""
@@ -160,16 +175,15 @@ class GridData:
         """The derivatives along the axes; those of the cell above where cells meet."""
         shape, coordinates = _flat(*point)
         cells, weights, beyond = self._cells(coordinates)
-        size = np.sqrt((beyond**2).sum(axis=0))
+        held, away = np.maximum(self._held(cells, weights), 0.0), np.sqrt((beyond**2).sum(axis=0))
+        length = np.hypot(held, away)
+        # Where samples are below 0, they count in full.
+        share = np.where(held > 0, held / np.where(length == 0, 1.0, length), 1.0)
+        rise = np.where(length == 0, 0.0, 1 / np.where(length == 0, 1.0, length))
         result = []
         for axis in range(self.dimension):
-            slope = np.zeros(len(coordinates[0]))
-            for corner in np.ndindex(*(2,) * self.dimension):
-                factors = [w if c else 1 - w for w, c in zip(weights, corner, strict=True)]
-                factors[axis] = np.full_like(slope, 1.0 if corner[axis] else -1.0)
-                slope += np.prod(factors, axis=0) * self._samples(cells, corner)
-            away = beyond[axis] / np.where(size == 0, 1.0, size)
-            result.append(np.where(beyond[axis] != 0, away, slope / self.step).reshape(shape))
+            slope = np.where(beyond[axis] == 0, share * self._held(cells, weights, axis), beyond[axis] * rise)
+            result.append(slope.reshape(shape))
         return tuple(result)
 
     def _cells(self, coordinates: list[Floats]) -> tuple[npt.NDArray[np.int64], Floats, Floats]:

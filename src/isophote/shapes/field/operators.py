@@ -166,7 +166,8 @@ def _root(a: Array) -> Array:
 def _safe_quotient(a: Array, b: Array) -> Array:
     """a / b, and 0 where b is 0: the derivative of a length at the point where it has none."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(b == 0, 0.0, a / b)
+        quotient: Array = np.where(b == 0, 0.0, a / b)
+    return quotient
 
 
 def _largest(constants: Any, intervals: Any, k: float) -> Array:

@@ -42,15 +42,16 @@ def sampled_path(path: npt.ArrayLike | Callable[[float], npt.ArrayLike], samples
     if callable(path):
         if isinstance(samples, bool) or not isinstance(samples, int | np.integer) or not 1 <= samples < _MOST_POINTS:
             raise GeometryError(f"sweep: samples must be a whole number from 1 to {_MOST_POINTS - 1}, not {samples!r}")
-        curve = path
-        points = [np.asarray(curve(float(t))) for t in np.linspace(0, 1, samples + 1)]
+        given: Any = map(path, np.linspace(0, 1, samples + 1).tolist())
     else:
-        points = [np.asarray(row) for row in np.asarray(path, dtype=object)]
+        given = path
+    try:
+        points = [np.asarray(point, np.float64) for point in given]
+    except (TypeError, ValueError) as error:
+        raise GeometryError(f"sweep: a path has points (n, 3), or is a function that gives one: {error}") from error
     for number, point in enumerate(points):
-        if point.shape != (3,) or not all(isinstance(c, float | int | np.number) for c in point.tolist()):
-            raise GeometryError(f"sweep: a path has points (n, 3), but point {number} is {point.tolist()!r}")
-        if not np.isfinite(point.astype(np.float64)).all():
-            raise GeometryError(f"sweep: point {number} of the path is not finite: {point.tolist()}")
+        if point.shape != (3,) or not np.isfinite(point).all():
+            raise GeometryError(f"sweep: a path has points of three numbers, but point {number} is {point.tolist()}")
     return tuple(tuple(map(float, point)) for point in points)
 
 
