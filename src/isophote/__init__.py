@@ -46,6 +46,7 @@ _HOME = {
     "Transform": "scene.transform",
     "arc": "shapes.field.field2",
     "circle": "shapes.field.field2",
+    "distance_field": "convert.distance_field",
     "image": "shapes.field.field2",
     "load_image": "rendering.image",
     "load_mesh": "io.mesh_file",

@@ -208,7 +208,8 @@ class MeshData:
 
     `vertices` is (n, 3) float64, `triangles` (m, 3) int32. The winding number is the generalised one (Jacobson,
     Kavan, Sorkine-Hornung: "Robust Inside-Outside Segmentation using Generalized Winding Numbers", 2013), so that
-    meshes with holes, overlaps and stray triangles have an inside too. Inside-out meshes count as the others.
+    meshes with holes, overlaps and stray triangles have an inside too. Inside-out meshes count as the others. Beyond
+    the box of the triangles all is outside, whatever the winding number of a mesh with holes is there.
     """
 
     vertices: npt.NDArray[np.float64]
@@ -218,6 +219,18 @@ class MeshData:
     def prepared(self) -> Any:
         """The mesh as kernels ask it: accel/mesh_distance.py's MeshDistance."""
         return mesh_queries.prepared(self.vertices, self.triangles)
+
+    @cached_property
+    def bounds(self) -> Floats:
+        """(2, 3): the box of the triangles."""
+        corners = self.vertices[self.triangles].reshape(-1, 3)
+        return np.stack([corners.min(axis=0), corners.max(axis=0)])
+
+    def _inside(self, points: Floats) -> npt.NDArray[np.bool_]:
+        low, high = self.bounds
+        inside: npt.NDArray[np.bool_] = ((points >= low) & (points <= high)).all(axis=1)
+        inside[inside] = np.abs(mesh_queries.winding_numbers(self.prepared, points[inside])) > 0.5
+        return inside
 
     @property
     def slope(self) -> float:
@@ -229,8 +242,7 @@ class MeshData:
         shape, coordinates = _flat(x, y, z)
         points = np.column_stack(coordinates)
         distance = mesh_queries.distances(self.prepared, points)
-        inside = np.abs(mesh_queries.winding_numbers(self.prepared, points)) > 0.5
-        return np.where(inside, -distance, distance).reshape(shape)
+        return np.where(self._inside(points), -distance, distance).reshape(shape)
 
     def interval(self, x: Interval, y: Interval, z: Interval) -> Interval:
         """An interval that holds the values over boxes: of both signs where the sign may turn without a surface."""
@@ -244,8 +256,7 @@ class MeshData:
         shape, coordinates = _flat(x, y, z)
         points = np.column_stack(coordinates)
         places, triangles = mesh_queries.nearest(self.prepared, points)
-        inside = np.abs(mesh_queries.winding_numbers(self.prepared, points)) > 0.5
-        away = (points - places) * np.where(inside, -1.0, 1.0)[:, None]
+        away = (points - places) * np.where(self._inside(points), -1.0, 1.0)[:, None]
         a, b, c = (self.vertices[self.triangles[triangles, k]] for k in range(3))
         on_surface = (away == 0).all(axis=1, keepdims=True)
         normals = np.where(on_surface, np.cross(b - a, c - a), away)

@@ -171,7 +171,8 @@ def _safe_quotient(a: Array, b: Array) -> Array:
 
 
 def _largest(constants: Any, intervals: Any, k: float) -> Array:
-    return np.maximum.reduce([np.asarray(c, float) for c in constants])
+    largest: Array = np.maximum.reduce([np.asarray(c, float) for c in constants])
+    return largest
 
 
 def _total(constants: Any, intervals: Any, k: float) -> Array:
