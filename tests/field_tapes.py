@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -14,6 +15,9 @@ from isophote.kernels.forms.tape import LANES, evaluate_points
 from isophote.kernels.forms.tape_gradient import GRADIENT_SLOT, run_gradients
 from isophote.kernels.forms.tape_interval import REGION_HIGH, REGION_MIDDLE, REGION_SLOT, run_intervals
 from isophote.kernels.forms.tape_prune import shorten
+from isophote.shapes.field.expression import Point, Value
+from isophote.shapes.field.form import Form
+from isophote.shapes.field.functions import absolute, length, maximum, minimum, smooth_maximum, smooth_minimum
 
 Floats = npt.NDArray[np.float64]
 Singles = npt.NDArray[np.float32]
@@ -21,6 +25,42 @@ Ints = npt.NDArray[np.int32]
 
 ROW, INPUTS = np.int64(opcodes.ROW), opcodes.INPUTS
 NOTHING = pack_field_data(()).words
+
+
+class Written(Form):
+    """A form by what it writes, and no more."""
+
+    def __init__(self, expression: Callable[[Point], Value], dimension: int = 3) -> None:
+        self._expression = expression
+        self.dimension = dimension  # type: ignore[misc]
+
+    def expression(self, p: Point) -> Value:
+        return self._expression(p)
+
+
+def ball(p: Point, radius: float, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Value:
+    """Distance to a ball about (x, y, z)."""
+    return p.bounded(length(p.x - x, p.y - y, p.z - z) - radius, 1.0)
+
+
+def block(p: Point, size: float, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Value:
+    """Distance to a cube about (x, y, z)."""
+    q = [absolute(c) - size / 2 for c in (p.x - x, p.y - y, p.z - z)]
+    outside = length(*(maximum(c, 0.0) for c in q))
+    return p.bounded(outside + minimum(maximum(maximum(q[0], q[1]), q[2]), 0.0), 1.0)
+
+
+def pole(p: Point, radius: float, x: float = 0.0, z: float = 0.0) -> Value:
+    """Distance to an endless cylinder along y."""
+    return p.bounded(length(p.x - x, p.z - z) - radius, 1.0)
+
+
+SOLIDS = {
+    "part": Written(lambda p: maximum(maximum(ball(p, 1), block(p, 1.5)), -pole(p, 0.5))),
+    "moved": Written(lambda p: maximum(maximum(ball(p, 1, 0.25, 0.125), block(p, 1.5, 0.25)), -pole(p, 0.25, 0.25))),
+    "blended": Written(lambda p: smooth_minimum(ball(p, 1), block(p, 1, 1, 0.25), 0.25)),
+    "cut": Written(lambda p: smooth_maximum(block(p, 1.5), -minimum(pole(p, 0.5), ball(p, 0.5, 0.5, 0.5, 0.5)), 0.125)),
+}
 
 
 @njit(error_model="numpy")
@@ -42,7 +82,7 @@ def values_of(rows: Ints, points: npt.ArrayLike, data: npt.NDArray[np.int64] = N
     """Values at points (n, 3)."""
     array = np.ascontiguousarray(points, np.float32)
     out = np.empty(len(array), np.float32)
-    slots = np.empty((len(rows) + INPUTS) * LANES, np.float32)
+    slots = np.empty((len(rows) + INPUTS + 1) * LANES, np.float32)
     evaluate_points(rows.reshape(-1), data, array, slots, out, 0, len(array))
     return out
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from isophote.kernels.base.columns import load_pairs, load_triples
 from isophote.kernels.base.jit import device, kernel
 from isophote.kernels.base.simd import (
     absolute,
@@ -27,10 +28,19 @@ from isophote.kernels.base.simd_math import arc_cosine, arc_sine, arc_tangent, c
 from isophote.kernels.forms import opcodes as op
 from isophote.kernels.forms.field_data import open_field_data
 
-__all__ = ["LANES", "WIDTH", "evaluate_points", "run_tape", "smooth_maximum", "smooth_minimum"]
+__all__ = [
+    "LANES",
+    "WIDTH",
+    "evaluate_points",
+    "greater",
+    "lesser",
+    "run_tape",
+    "smooth_maximum",
+    "smooth_minimum",
+]
 
 # Vectors of sixteen points in a pass over many, and the points in it.
-WIDTH = 4
+WIDTH = 8
 LANES = 16 * WIDTH
 
 _ROW = np.int64(op.ROW)
@@ -38,14 +48,27 @@ _ZERO, _ONE, _QUARTER = np.float32(0), np.float32(1), np.float32(0.25)
 
 
 @device
+def lesser(a, b):
+    """The smaller of two; NaN if one of them is."""
+    # `minimum` gives its second argument where one is NaN.
+    return select(a == a, minimum(a, b), a)
+
+
+@device
+def greater(a, b):
+    """The larger of two; NaN if one of them is."""
+    return select(a == a, maximum(a, b), a)
+
+
+@device
 def smooth_minimum(a, b, k):
-    h = maximum(splat16(k) - absolute(a - b), splat16(_ZERO))
+    h = maximum(splat16(_ZERO), splat16(k) - absolute(a - b))
     return minimum(a, b) - h * h * splat16(_QUARTER / k)
 
 
 @device
 def smooth_maximum(a, b, k):
-    h = maximum(splat16(k) - absolute(a - b), splat16(_ZERO))
+    h = maximum(splat16(_ZERO), splat16(k) - absolute(a - b))
     return maximum(a, b) + h * h * splat16(_QUARTER / k)
 
 
@@ -77,10 +100,10 @@ def run_tape(rows, first, count, data, slots, width):
                 store16(slots, out + j, load16(slots, a + j) / load16(slots, b + j))
         elif code == op.MINIMUM:
             for j in range(0, end, 16):
-                store16(slots, out + j, minimum(load16(slots, a + j), load16(slots, b + j)))
+                store16(slots, out + j, lesser(load16(slots, a + j), load16(slots, b + j)))
         elif code == op.MAXIMUM:
             for j in range(0, end, 16):
-                store16(slots, out + j, maximum(load16(slots, a + j), load16(slots, b + j)))
+                store16(slots, out + j, greater(load16(slots, a + j), load16(slots, b + j)))
         elif code == op.NEGATE:
             for j in range(0, end, 16):
                 store16(slots, out + j, splat16(_ZERO) - load16(slots, a + j))
@@ -93,7 +116,7 @@ def run_tape(rows, first, count, data, slots, width):
                 store16(slots, out + j, x * x)
         elif code == op.SQUARE_ROOT:
             for j in range(0, end, 16):
-                store16(slots, out + j, square_root(maximum(load16(slots, a + j), splat16(_ZERO))))
+                store16(slots, out + j, square_root(maximum(splat16(_ZERO), load16(slots, a + j))))
         elif code == op.LENGTH2:
             for j in range(0, end, 16):
                 x, y = load16(slots, a + j), load16(slots, b + j)
@@ -117,10 +140,10 @@ def run_tape(rows, first, count, data, slots, width):
                 store16(slots, out + j, splat16(k) / load16(slots, a + j))
         elif code == op.MINIMUM_CONSTANT:
             for j in range(0, end, 16):
-                store16(slots, out + j, minimum(load16(slots, a + j), splat16(k)))
+                store16(slots, out + j, minimum(splat16(k), load16(slots, a + j)))
         elif code == op.MAXIMUM_CONSTANT:
             for j in range(0, end, 16):
-                store16(slots, out + j, maximum(load16(slots, a + j), splat16(k)))
+                store16(slots, out + j, maximum(splat16(k), load16(slots, a + j)))
         elif code == op.SMOOTH_MINIMUM:
             for j in range(0, end, 16):
                 store16(slots, out + j, smooth_minimum(load16(slots, a + j), load16(slots, b + j), k))
@@ -171,20 +194,54 @@ def run_tape(rows, first, count, data, slots, width):
                 store16(slots, out + j, splat16(k))
 
 
+@device
+def _load_points(points, start, slots):
+    """Points from row `start` on, LANES of them, to slots 0, 1, 2."""
+    for j in range(0, LANES, 16):
+        if points.shape[1] == 3:
+            x, y, z = load_triples(points, start + j)
+            store16(slots, j + 2 * LANES, z)
+        else:
+            x, y = load_pairs(points, start + j)
+        store16(slots, j, x)
+        store16(slots, j + LANES, y)
+
+
+@device
+def _store_values(slots, result, out, start):
+    """The values of LANES points; NaN for points that are not finite, whatever the operators make of them."""
+    zero = splat16(_ZERO)
+    for j in range(0, LANES, 16):
+        x, y, z = load16(slots, j), load16(slots, j + LANES), load16(slots, j + 2 * LANES)
+        store16(out, start + j, load16(slots, result + j) + (x * zero + y * zero + z * zero))
+
+
 @kernel
 def evaluate_points(rows, data, points, slots, out, first, last):
-    """Values at points `first` ≤ i < `last` of (n, 3) float32 into `out`; `slots` holds LANES floats a slot.
+    """Values at points `first` ≤ i < `last` of (n, 2) or (n, 3) float32 into `out`.
 
-    `data` are the words of a FIELD_DATA.
+    `data` are the words of a FIELD_DATA. `slots` holds LANES floats for each slot, and LANES more.
     """
     tables = open_field_data(data)
     count = np.int64(rows.size) // _ROW
-    result = (np.int64(2) + count) * LANES
-    for start in range(first, last, LANES):
+    result = np.int64(load_int(rows, (count - 1) * _ROW + op.OUT)) * LANES
+    rest = np.int64(slots.size) - LANES
+    for j in range(LANES):
+        slots[2 * LANES + j] = _ZERO
+    start = np.int64(first)
+    while start < last:
         size = min(np.int64(LANES), last - start)
-        for i in range(size):
-            for axis in range(points.shape[1]):
-                slots[axis * LANES + i] = points[start + i, axis]
+        if size == LANES:
+            _load_points(points, start, slots)
+        else:
+            for i in range(LANES):
+                for axis in range(points.shape[1]):
+                    slots[axis * LANES + i] = points[start + min(i, size - 1), axis]
         run_tape(rows, np.int64(0), count, tables, slots, np.int64(WIDTH))
-        for i in range(size):
-            out[start + i] = slots[result + i]
+        if size == LANES:
+            _store_values(slots, result, out, start)
+        else:
+            _store_values(slots, result, slots, rest)
+            for i in range(size):
+                out[start + i] = slots[rest + i]
+        start += size

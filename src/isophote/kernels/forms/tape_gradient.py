@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from isophote.kernels.base.jit import device
+from isophote.kernels.base.jit import device, kernel
 from isophote.kernels.base.simd import (
     absolute,
     floor,
@@ -24,11 +24,13 @@ from isophote.kernels.base.simd import (
 )
 from isophote.kernels.base.simd_math import arc_cosine, arc_sine, arc_tangent, cosine, exponential, logarithm, sine
 from isophote.kernels.forms import opcodes as op
-from isophote.kernels.forms.tape import smooth_maximum, smooth_minimum
+from isophote.kernels.forms.field_data import open_field_data
+from isophote.kernels.forms.tape import greater, lesser, smooth_maximum, smooth_minimum
 
-__all__ = ["GRADIENT_SLOT", "run_gradients"]
+__all__ = ["GRADIENT_SLOT", "evaluate_gradients", "run_gradients"]
 
 GRADIENT_SLOT = 64
+_LANES = 16
 
 _ROW = np.int64(op.ROW)
 _ZERO, _HALF, _ONE = np.float32(0), np.float32(0.5), np.float32(1)
@@ -82,10 +84,10 @@ def run_gradients(rows, first, count, data, slots):
             p, q = one / y, zero - value / y
         elif code == op.MINIMUM:
             p = select(x < y, one, zero)
-            value, q = minimum(x, y), one - p
+            value, q = lesser(x, y), one - p
         elif code == op.MAXIMUM:
             p = select(x > y, one, zero)
-            value, q = maximum(x, y), one - p
+            value, q = greater(x, y), one - p
         elif code == op.NEGATE:
             value, p = zero - x, zero - one
         elif code == op.ABSOLUTE:
@@ -93,7 +95,7 @@ def run_gradients(rows, first, count, data, slots):
         elif code == op.SQUARE:
             value, p = x * x, x + x
         elif code == op.SQUARE_ROOT:
-            value = square_root(maximum(x, zero))
+            value = square_root(maximum(zero, x))
             p = _quotient(splat16(_HALF), value)
         elif code == op.LENGTH2:
             value = square_root(x * x + y * y)
@@ -111,9 +113,9 @@ def run_gradients(rows, first, count, data, slots):
             value = k / x
             p = zero - value / x
         elif code == op.MINIMUM_CONSTANT:
-            value, p = minimum(x, k), select(x < k, one, zero)
+            value, p = minimum(k, x), select(x < k, one, zero)
         elif code == op.MAXIMUM_CONSTANT:
-            value, p = maximum(x, k), select(x > k, one, zero)
+            value, p = maximum(k, x), select(x > k, one, zero)
         elif code == op.SMOOTH_MINIMUM:
             value, p = smooth_minimum(x, y, imm), _share(x, y, imm)
             q = one - p
@@ -154,3 +156,29 @@ def run_gradients(rows, first, count, data, slots):
         for part in range(16, GRADIENT_SLOT, 16):
             derivative = p * load16(slots, a + part) + q * load16(slots, b + part) + r * load16(slots, c + part)
             store16(slots, out + part, derivative)
+
+
+@kernel
+def evaluate_gradients(rows, data, points, slots, out, first, last):
+    """Gradients at points `first` ≤ i < `last` of (n, 2) or (n, 3) float32 into `out`, of their shape.
+
+    `data` are the words of a FIELD_DATA. `slots` holds GRADIENT_SLOT floats for each slot. NaN where points are not
+    finite.
+    """
+    tables = open_field_data(data)
+    count = np.int64(rows.size) // _ROW
+    result = np.int64(load_int(rows, (count - 1) * _ROW + op.OUT)) * GRADIENT_SLOT
+    for j in range(_LANES):
+        slots[2 * GRADIENT_SLOT + j] = _ZERO
+    for start in range(first, last, _LANES):
+        size = min(np.int64(_LANES), last - start)
+        for i in range(_LANES):
+            for axis in range(points.shape[1]):
+                slots[axis * GRADIENT_SLOT + i] = points[start + min(i, size - 1), axis]
+        run_gradients(rows, np.int64(0), count, tables, slots)
+        for i in range(size):
+            blame = _ZERO
+            for axis in range(points.shape[1]):
+                blame += slots[axis * GRADIENT_SLOT + i] * _ZERO
+            for axis in range(points.shape[1]):
+                out[start + i, axis] = slots[result + _LANES * (1 + axis) + i] + blame

@@ -2,27 +2,137 @@
 
 from __future__ import annotations
 
+import os
+import weakref
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any, NamedTuple
+
 import numpy as np
 import numpy.typing as npt
 
 from isophote.errors import GeometryError
+from isophote.kernels.forms import opcodes
 from isophote.shapes.field.form import Form
-from isophote.shapes.field.tape import tape_of
+from isophote.shapes.field.tape import Tape, sharing_slots, tape_of
 
-__all__ = ["values"]
+__all__ = ["gradients", "packed_data", "scratch", "values"]
+
+Singles = npt.NDArray[np.float32]
+
+# Rows of a tape times points that one thread does in about a millisecond; less is not worth another thread.
+_WORK_A_THREAD = 1 << 24
+# Points that are brought to single precision, and evaluated, at a time.
+_PIECE = 1 << 13
+# Bytes of a cache line: vectors that lie across two take twice as long.
+_LINE = 64
 
 
-def values(form: Form, points: npt.ArrayLike) -> npt.NDArray[np.float32]:
-    """(n,) float32 values of a form at points (n, dimension)."""
-    from isophote.kernels.forms.field_data import pack_field_data
+class _Prepared(NamedTuple):
+    """What the interpreters of points take: rows whose slots are used again, how many there are, tables of data."""
+
+    rows: npt.NDArray[np.int32]
+    slots: int
+    data: Any
+
+
+# Prepared tapes by the identity of their forms, as long as these live.
+_prepared: dict[int, tuple[weakref.ref[Form], _Prepared]] = {}
+
+
+def values(form: Form, points: npt.ArrayLike) -> Singles:
+    """(n,) float32 values of a form at points (n, dimension), on all processors.
+
+    Points are taken in single precision; those that are not finite there have the value NaN. Raises `GeometryError`
+    for points of another shape and for what is no numbers.
+    """
     from isophote.kernels.forms.tape import LANES, evaluate_points
 
-    array = np.asarray(points, np.float32)
-    if array.ndim != 2 or array.shape[1] != form.dimension:
-        raise GeometryError(f"points must have shape (n, {form.dimension}), but have {np.shape(points)}")
-    tape = tape_of(form)
+    array = _points_of(form, points)
     out = np.empty(len(array), np.float32)
-    slots = np.zeros((len(tape.rows) + 3) * LANES, np.float32)
-    data = pack_field_data(())
-    evaluate_points(tape.rows.reshape(-1), data.words, np.ascontiguousarray(array), slots, out, 0, len(array))
+    _on_all(evaluate_points, form, array, out, LANES)
     return out
+
+
+def gradients(form: Form, points: npt.ArrayLike) -> Singles:
+    """(n, dimension) float32 gradients of a form at points (n, dimension), by exact differentiation.
+
+    Where arms meet, that of one of them; NaN where a point is not finite in single precision.
+    """
+    from isophote.kernels.forms.tape_gradient import GRADIENT_SLOT, evaluate_gradients
+
+    array = _points_of(form, points)
+    out = np.empty((len(array), form.dimension), np.float32)
+    _on_all(evaluate_gradients, form, array, out, GRADIENT_SLOT)
+    return out
+
+
+def packed_data(tape: Tape) -> Any:
+    """The tables of a tape as kernels take them, kernels/forms/field_data.py's FIELD_DATA; keep it while they run."""
+    from isophote.kernels.forms.field_data import pack_field_data
+
+    return pack_field_data([_packed(table) for table in tape.data])
+
+
+def scratch(count: int) -> Singles:
+    """`count` floats of scratch that begin at a cache line."""
+    raw = np.empty(count + _LINE // 4, np.float32)
+    first = -raw.ctypes.data % _LINE // 4
+    return raw[first : first + count]
+
+
+def _packed(table: Any) -> Any:
+    raise GeometryError(f"a table of {type(table).__name__} cannot be evaluated")
+
+
+def _points_of(form: Form, points: npt.ArrayLike) -> npt.NDArray[Any]:
+    """Points as an array of the right shape."""
+    try:
+        array = np.asarray(points)
+    except ValueError as error:
+        raise GeometryError(f"points must have shape (n, {form.dimension}), but are of several lengths") from error
+    if array.dtype.kind not in "fiub":
+        raise GeometryError(f"points must be real numbers, but are {array.dtype}")
+    if array.ndim != 2 or array.shape[1] != form.dimension:
+        raise GeometryError(f"points must have shape (n, {form.dimension}), but have {array.shape}")
+    return array
+
+
+def _prepare(form: Form) -> _Prepared:
+    found = _prepared.get(id(form))
+    if found is not None and found[0]() is form:
+        return found[1]
+    tape = tape_of(form)
+    rows, slots = sharing_slots(tape.rows)
+    made = _Prepared(np.ascontiguousarray(rows).reshape(-1), slots, packed_data(tape))
+    key = id(form)
+    _prepared[key] = weakref.ref(form, lambda _: _prepared.pop(key, None)), made
+    return made
+
+
+def _on_all(kernel: Callable[..., Any], form: Form, points: npt.NDArray[Any], out: Singles, slot: int) -> None:
+    """Run a kernel over all points, in pieces on as many threads as there is work for."""
+    tape = _prepare(form)
+    count = len(points)
+
+    def work(begin: int, end: int) -> None:
+        slots = scratch((tape.slots + 1) * slot)
+        with np.errstate(over="ignore"):
+            for first in range(begin, end, _PIECE):
+                some = slice(first, min(first + _PIECE, end))
+                singles = np.ascontiguousarray(points[some], np.float32)
+                kernel(tape.rows, tape.data.words, singles, slots, out[some], 0, len(singles))
+
+    threads = min(_processors(), 1 + len(tape.rows) // opcodes.ROW * count // _WORK_A_THREAD)
+    if threads == 1:
+        work(0, count)
+        return
+    step = -(-count // (4 * threads) // _PIECE) * _PIECE
+    with ThreadPoolExecutor(threads) as pool:
+        for job in [pool.submit(work, first, min(first + step, count)) for first in range(0, count, step)]:
+            job.result()
+
+
+def _processors() -> int:
+    """Processors that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -17,7 +17,7 @@ from isophote.shapes.field.form import Box, Form
 from isophote.shapes.field.operators import OPERATORS
 from isophote.shapes.field.rounding import roundings
 
-__all__ = ["Tape", "numpy_values", "tape_of", "written"]
+__all__ = ["Tape", "numpy_values", "sharing_slots", "tape_of", "written"]
 
 Floats: TypeAlias = npt.NDArray[np.float64]
 
@@ -30,8 +30,13 @@ class Tape(NamedTuple):
 
 
 def written(form: Form, region: Box | None = None, *, symbolic: bool = False) -> tuple[Graph, int]:
-    """The graph of a form's expression over a region, (2, 3), and the node of its value."""
-    graph = Graph(symbolic=symbolic) if region is None else Graph(np.asarray(region, np.float64), symbolic)
+    """The graph of a form's expression over a region, (2, dimension), and the node of its value."""
+    if region is None:
+        graph = Graph(symbolic=symbolic)
+    else:
+        box = np.zeros((2, 3))
+        box[:, : np.shape(region)[1]] = region
+        graph = Graph(box, symbolic)
     return graph, form.expression(graph.point).id
 
 
@@ -76,14 +81,57 @@ def _copy_row(slot: int, row: int, constant: float) -> npt.NDArray[np.int32]:
     return copy
 
 
+def sharing_slots(rows: npt.NDArray[np.int32]) -> tuple[npt.NDArray[np.int32], int]:
+    """Rows that write to slots which are not needed any more, so that all stay near the processor; how many slots.
+
+    For interpreters of points only: a tape can be shortened only where each row has a slot of its own.
+    """
+    words = [opcodes.A, opcodes.B, opcodes.C]
+    last = np.zeros(opcodes.INPUTS + len(rows), np.int64)
+    for word in words:
+        np.maximum.at(last, rows[:, word], np.arange(len(rows)))
+    shared = rows.copy()
+    places = list(range(opcodes.INPUTS)) + [0] * len(rows)
+    free: list[int] = []
+    count = opcodes.INPUTS
+    for number, (a, b, c) in enumerate(rows[:, words].tolist()):
+        shared[number, words] = places[a], places[b], places[c]
+        free += {places[s] for s in (a, b, c) if s >= opcodes.INPUTS and last[s] == number}
+        if not free:
+            free, count = [count], count + 1
+        places[opcodes.INPUTS + number] = shared[number, opcodes.OUT] = free.pop()
+    return shared, count
+
+
 def numpy_values(form: Form, points: npt.ArrayLike) -> Floats:
-    """(n,) float64 values at points (n, 3), by NumPy alone: the oracle of every other evaluator."""
+    """(n,) float64 values at points (n, dimension), by NumPy alone: the oracle of every other evaluator."""
     graph, result = written(form)
-    columns = np.asarray(points, np.float64).T
-    values: dict[int, Any] = dict(enumerate(columns))
+    array = np.asarray(points, np.float64)
+    return np.broadcast_to(_run(graph, result, array)[result], len(array)).astype(np.float64)
+
+
+def numpy_gradients(form: Form, points: npt.ArrayLike) -> tuple[Floats, Floats]:
+    """(n,) float64 values at points (n, dimension), and (n, dimension) derivatives, forwards, operator by operator."""
+    graph, result = written(form)
+    array = np.asarray(points, np.float64)
+    values = _run(graph, result, array)
+    slopes: dict[int, Any] = {axis: np.eye(3)[axis][:, None] for axis in range(3)}
+    with np.errstate(all="ignore"):
+        for node in graph.used(result):
+            name, arguments, constant = graph.nodes[node]
+            if name != "INPUT":
+                partials = OPERATORS[name].partials(*(values[a] for a in arguments), values[node], constant)
+                slopes[node] = sum((d * slopes[a] for d, a in zip(partials, arguments, strict=True)), np.zeros((3, 1)))
+    gradients = np.broadcast_to(slopes[result], (3, len(array)))[: array.shape[1]].T
+    return np.broadcast_to(values[result], len(array)).astype(np.float64), gradients.astype(np.float64)
+
+
+def _run(graph: Graph, result: int, points: Floats) -> dict[int, Any]:
+    """The values of all nodes that `result` depends on."""
+    values: dict[int, Any] = dict(enumerate(points.T))
     with np.errstate(all="ignore"):
         for node in graph.used(result):
             name, arguments, constant = graph.nodes[node]
             if name != "INPUT":
                 values[node] = OPERATORS[name].value(*(values[a] for a in arguments), constant)
-    return np.broadcast_to(values[result], columns.shape[1:]).astype(np.float64)
+    return values
