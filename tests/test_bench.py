@@ -15,6 +15,7 @@ BENCH = Path(__file__).parents[1] / "bench"
 TINY_RAYS = ("--size", "16", "--rounds", "1")
 
 needs_embree = pytest.mark.skipif(find_spec("embreex") is None, reason="embreex is not installed")
+needs_igl = pytest.mark.skipif(find_spec("igl") is None, reason="libigl is not installed")
 needs_mitsuba = pytest.mark.skipif(find_spec("mitsuba") is None, reason="mitsuba is not installed")
 
 
@@ -103,3 +104,10 @@ def test_path_trace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("HOME", str(tmp_path))
     output = output_of("path_trace.py", *TINY_RAYS, "--samples", "16", "--scenes", "bumpy20")
     assert "Isophote, whole call" in output
+
+
+@needs_igl
+def test_topology() -> None:
+    output = output_of("topology.py", "--rounds", "1", "--frequency", "8", "--large", "8")
+    assert cells(output, "closed")[0] == "1280"
+    assert float(cells(output, "topology")[1]) > 0
