@@ -6,7 +6,7 @@ import sys
 from collections.abc import Callable
 
 from isophote.cli.messages import log
-from isophote.rendering.progress import ProgressLike
+from isophote.progress import ProgressLike
 from isophote.rendering.warm import STAGE
 
 __all__ = ["progress"]

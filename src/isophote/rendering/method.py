@@ -13,9 +13,9 @@ from isophote.errors import RenderError
 from isophote.kernels.accel.geometry import SCRATCH_WORDS
 from isophote.kernels.base.table import Packed
 from isophote.kernels.trace.first_hit import FEATURES, first_hits
+from isophote.progress import Reporter
 from isophote.rendering.image import Image
 from isophote.rendering.pool import Pool
-from isophote.rendering.progress import Reporter
 from isophote.scene.scene import Scene
 
 __all__ = ["Job", "Method", "checked_seed", "checked_size", "first_hit_channels"]

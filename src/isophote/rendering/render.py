@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from isophote import __version__
 from isophote.errors import RenderError
+from isophote.progress import ProgressLike, reporter
 from isophote.rendering.image import Image
 from isophote.rendering.method import Job, Method, Size, checked_seed, checked_size
 from isophote.rendering.path_trace import PathTrace
-from isophote.rendering.progress import ProgressLike, reporter
 from isophote.scene.scene import Item, Scene, Shape
 from isophote.scene.studio import studio
 

@@ -16,7 +16,7 @@ from isophote.accel.tree import build_triangles
 from isophote.kernels.base.cache import is_compiled
 from isophote.kernels.base.table import Table
 from isophote.kernels.trace import first_hit, path, tables, wave
-from isophote.rendering.progress import Reporter
+from isophote.progress import Reporter
 
 __all__ = ["compiled", "warm_up"]
 
