@@ -11,9 +11,11 @@ import pytest
 import isophote as iso
 from isophote.shapes.field.data import GridData, OutlineData
 from isophote.shapes.field.expression import Parameter, Point, Value
-from isophote.shapes.field.field import Field, box, cylinder, sphere
+from isophote.shapes.field.field import Field
 from isophote.shapes.field.form import Form
 from isophote.shapes.field.operators import OPERATORS
+from isophote.shapes.field.rounds import cylinder
+from isophote.shapes.field.solids import box, sphere
 from isophote.shapes.field.tape import numpy_values
 from shaders import values
 

@@ -12,7 +12,9 @@ import pytest
 
 import isophote as iso
 from isophote.shapes.field.expression import Parameter
-from isophote.shapes.field.field import Field, box, cylinder, sphere
+from isophote.shapes.field.field import Field
+from isophote.shapes.field.rounds import cylinder
+from isophote.shapes.field.solids import box, sphere
 
 BROWSER = shutil.which("chromium")
 ARGUMENTS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]

@@ -17,6 +17,7 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
+from isophote.errors import GeometryError
 from isophote.shapes.field.operators import OPERATORS, Interval
 
 __all__ = ["Graph", "Node", "Number", "Parameter", "Point", "Value"]
@@ -43,10 +44,20 @@ class Parameter(float):
     high: float
 
     def __new__(cls, name: str, value: float, low: float, high: float) -> Parameter:
+        if not isinstance(name, str) or not name:
+            raise GeometryError(f"Parameter: name must be a word that a page can show, but is {name!r}")
+        try:
+            value, low, high = float(value), float(low), float(high)
+        except (TypeError, ValueError):
+            raise GeometryError(
+                f"Parameter {name!r}: value, low and high must be numbers, but are {value!r}, {low!r}, {high!r}"
+            ) from None
         if not (math.isfinite(value) and math.isfinite(low) and math.isfinite(high) and low <= value <= high):
-            raise ValueError(f"Parameter {name!r}: low ≤ value ≤ high must hold, but they are {low}, {value}, {high}")
+            raise GeometryError(
+                f"Parameter {name!r}: low ≤ value ≤ high must hold, all finite, but they are {low}, {value}, {high}"
+            )
         parameter = super().__new__(cls, value)
-        parameter.name, parameter.low, parameter.high = name, float(low), float(high)
+        parameter.name, parameter.low, parameter.high = name, low, high
         return parameter
 
     def __repr__(self) -> str:
@@ -74,6 +85,8 @@ class Graph:
     nodes: list[Node] = attrs.field(init=False)
     # What is known of values beyond what the operators' rules tell: bounds on their Lipschitz constants.
     claims: dict[int, float] = attrs.field(init=False, factory=dict)
+    # Values that move no faster than the fastest of some others.
+    likenesses: dict[int, tuple[int, ...]] = attrs.field(init=False, factory=dict)
     _known: dict[tuple[Any, ...], int] = attrs.field(init=False, factory=dict)
     _intervals: dict[int, Interval] = attrs.field(init=False, factory=dict)
 
@@ -147,8 +160,19 @@ class Graph:
                         )
                     )
                 known = math.inf if math.isnan(known) else known
+            if number in self.likenesses:
+                known = min(known, max(constants[other] for other in self.likenesses[number]))
             constants.append(min(known, self.claims.get(number, math.inf)))
         return constants
+
+    def one_of(self, value: Value, *arms: Value) -> Value:
+        """`value`, which is continuous and everywhere one of `arms` (or differs from it by a constant).
+
+        So it has no larger Lipschitz constant than they have.
+        """
+        if all(arm.id < value.id for arm in arms):
+            self.likenesses[value.id] = tuple(arm.id for arm in arms)
+        return value
 
     def used(self, result: int) -> list[int]:
         """The nodes that `result` depends on, arguments first."""
@@ -239,6 +263,11 @@ class Point(NamedTuple):
     y: Value
     z: Value
     stretch: float
+
+    @property
+    def coordinates(self) -> list[Value]:
+        """x, y and z."""
+        return [self.x, self.y, self.z]
 
     @property
     def graph(self) -> Graph:

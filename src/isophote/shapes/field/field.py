@@ -1,88 +1,27 @@
-"""`Field`: a signed distance field, negative inside, as users hold it."""
+"""`Field`: a signed distance field in space, negative inside, as users hold it."""
 
 from __future__ import annotations
 
-from typing import TypeAlias
+from typing import Any, ClassVar, Self
 
 import attrs
-import numpy as np
-import numpy.typing as npt
 
-from isophote.shapes.field import evaluate
-from isophote.shapes.field.combine import Difference, Intersection, Union
-from isophote.shapes.field.form import Box, Exactness, Form
-from isophote.shapes.field.place import Translate
-from isophote.shapes.field.solids import BoxForm, Cylinder, Sphere
+from isophote.shapes.field.operations import Operations
+from isophote.shapes.field.place import Along, Rotate
 
-__all__ = ["Field", "box", "cylinder", "sphere", "union"]
-
-Floats: TypeAlias = npt.NDArray[np.float64]
+__all__ = ["Field"]
 
 
-@attrs.frozen(repr=False)
-class Field:
-    """A signed distance field; operators and methods return new ones."""
+@attrs.frozen(repr=False, slots=False)
+class Field(Operations):
+    """A signed distance field in space; operators and methods return new ones."""
 
-    form: Form
+    dimension: ClassVar[int] = 3
 
-    def __call__(self, points: npt.ArrayLike) -> npt.NDArray[np.float32]:
-        """(n,) float32 values at points (n, 3): negative inside."""
-        return evaluate.values(self.form, points)
+    def rotate(self, axis: Any, angle: float) -> Self:
+        """Turned by `angle` radians about an axis through the origin, a letter or a vector; right-handed."""
+        return self._with(Rotate(self.form, axis, angle))
 
-    @property
-    def bounds(self) -> Box:
-        """(2, 3): a box that holds all points where the field is not positive."""
-        return self.form.bounds
-
-    @property
-    def exactness(self) -> Exactness:
-        """How far the values can be trusted."""
-        return self.form.exactness
-
-    def __or__(self, other: Field) -> Field:
-        return self.union(other)
-
-    def __and__(self, other: Field) -> Field:
-        return self.intersection(other)
-
-    def __sub__(self, other: Field) -> Field:
-        return self.difference(other)
-
-    def union(self, *others: Field, blend: float = 0.0) -> Field:
-        """What is inside any of these."""
-        return Field(Union((self.form, *(o.form for o in others)), blend))
-
-    def intersection(self, *others: Field, blend: float = 0.0) -> Field:
-        """What is inside all of these."""
-        return Field(Intersection((self.form, *(o.form for o in others)), blend))
-
-    def difference(self, *others: Field, blend: float = 0.0) -> Field:
-        """What is inside this one and outside the others."""
-        return Field(Difference((self.form, *(o.form for o in others)), blend))
-
-    def translate(self, offset: npt.ArrayLike) -> Field:
-        """The field moved by `offset`."""
-        return Field(Translate(self.form, offset))  # type: ignore[arg-type]
-
-    def __repr__(self) -> str:
-        return self.form.spelled()
-
-
-def sphere(radius: float) -> Field:
-    """A ball about the origin."""
-    return Field(Sphere(radius))
-
-
-def box(size: float | tuple[float, float, float]) -> Field:
-    """A box about the origin, with full edge lengths `size`."""
-    return Field(BoxForm(size))  # type: ignore[arg-type]
-
-
-def cylinder(radius: float, height: float | None = None) -> Field:
-    """A cylinder along y, endless without a height."""
-    return Field(Cylinder(radius, height))
-
-
-def union(first: Field, *others: Field, blend: float = 0.0) -> Field:
-    """What is inside any of these."""
-    return first.union(*others, blend=blend)
+    def along(self, axis: Any) -> Self:
+        """Turned so that what stands along +y lies along `axis`, a letter or a vector."""
+        return self._with(Along(self.form, axis))

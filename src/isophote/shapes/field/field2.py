@@ -5,18 +5,17 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable
+from typing import ClassVar, Self
 
 import attrs
-import numpy as np
 import numpy.typing as npt
 
-from isophote.shapes.field import evaluate
-from isophote.shapes.field.combine import Difference, Intersection, Union
 from isophote.shapes.field.field import Field
 from isophote.shapes.field.flat import Arc, Circle, Polygon, Rectangle, Segment, Star
-from isophote.shapes.field.form import Box, Exactness, Form
 from isophote.shapes.field.image import picture_of
 from isophote.shapes.field.lift import Extrude, Revolve
+from isophote.shapes.field.operations import Operations
+from isophote.shapes.field.place import Turn
 from isophote.shapes.field.sweep import Sweep, sampled_path
 from isophote.shapes.field.text import Text
 
@@ -25,46 +24,15 @@ __all__ = ["Field2", "arc", "circle", "image", "polygon", "rectangle", "rounded_
 PointLike = tuple[float, float]
 
 
-@attrs.frozen(repr=False)
-class Field2:
+@attrs.frozen(repr=False, slots=False)
+class Field2(Operations):
     """A signed distance field in the plane; operators and methods return new ones."""
 
-    form: Form
+    dimension: ClassVar[int] = 2
 
-    def __call__(self, points: npt.ArrayLike) -> npt.NDArray[np.float32]:
-        """(n,) float32 values at points (n, 2): negative inside."""
-        return evaluate.values(self.form, points)
-
-    @property
-    def bounds(self) -> Box:
-        """(2, 2): a box that holds all points where the field is not positive."""
-        return self.form.bounds
-
-    @property
-    def exactness(self) -> Exactness:
-        """How far the values can be trusted."""
-        return self.form.exactness
-
-    def __or__(self, other: Field2) -> Field2:
-        return self.union(other)
-
-    def __and__(self, other: Field2) -> Field2:
-        return self.intersection(other)
-
-    def __sub__(self, other: Field2) -> Field2:
-        return self.difference(other)
-
-    def union(self, *others: Field2, blend: float = 0.0) -> Field2:
-        """What is inside any of these."""
-        return Field2(Union((self.form, *(o.form for o in others)), blend))
-
-    def intersection(self, *others: Field2, blend: float = 0.0) -> Field2:
-        """What is inside all of these."""
-        return Field2(Intersection((self.form, *(o.form for o in others)), blend))
-
-    def difference(self, *others: Field2, blend: float = 0.0) -> Field2:
-        """What is inside this one and outside the others."""
-        return Field2(Difference((self.form, *(o.form for o in others)), blend))
+    def rotate(self, angle: float) -> Self:
+        """Turned by `angle` radians about the origin, anticlockwise."""
+        return self._with(Turn(self.form, angle))
 
     def extrude(self, height: float) -> Field:
         """The solid that is drawn out along z, by half of `height` both ways; a distance where this one is."""
@@ -87,9 +55,6 @@ class Field2:
         Raises `GeometryError` for points that are not finite or follow on themselves, and paths that turn back.
         """
         return Field(Sweep(self.form, sampled_path(path, samples)))
-
-    def __repr__(self) -> str:
-        return self.form.spelled()
 
 
 def circle(radius: float) -> Field2:
