@@ -113,6 +113,18 @@ def test_the_picture_marks_defects(tmp_path: Path) -> None:
     assert len(marked(picture, COLOURS["turned_edges"])) == 0
 
 
+def test_hidden_defects_shine_through(tmp_path: Path) -> None:
+    # The bottom is missing, and stands on the ground.
+    faces = [face for face in CUBE if face != (0, 4, 5, 1)]
+    out = tmp_path / "out.exr"
+    succeeds("info", saved(tmp_path, iso.Mesh(cube().vertices, faces)), "--picture", out, "--size", "100x100")
+    blue = marked(iso.load_image(out).channels["colour"], "blue")
+    left = blue[blue[:, 1] < 100]
+    # All four edges of the bottom, two of which are behind the box: the farthest corner is above the nearest by far.
+    assert len(left) > 60
+    assert np.ptp(left[:, 0]) > 15
+
+
 def test_pictures_of_scenes_and_bad_requests(tmp_path: Path) -> None:
     scene = written(tmp_path, "scene.py", SCENE)
     out = tmp_path / "out.exr"

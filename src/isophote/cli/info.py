@@ -28,7 +28,7 @@ A glTF and a Python file are told as scenes, other files as one mesh. Bounds are
 in the file's units. The triangles of an STL are joined where their corners coincide.
 
 The picture shows the model from before and behind: boundary edges blue, edges of three or more faces red, edges along
-which faces run the same way green, vertices whose faces do not form one fan magenta.
+which faces run the same way green, vertices whose faces do not form one fan magenta. What is hidden shines through.
 """
 _SCENES = (".gltf", ".glb", ".py")
 # Meshes, components and defects of each kind that are listed: for people, and as JSON.
