@@ -1,0 +1,1 @@
+"""Normals and curvatures of meshes."""
