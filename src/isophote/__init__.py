@@ -57,6 +57,8 @@ _HOME = {
     "difference": "shapes.field.operations",
     "distance_field": "convert.distance_field",
     "ellipsoid": "shapes.field.solids",
+    "field": "shapes.field.function_form",
+    "field2": "shapes.field.function_form",
     "frame": "shapes.field.solids",
     "image": "shapes.field.field2",
     "intersection": "shapes.field.operations",
@@ -84,6 +86,7 @@ _HOME = {
     "text": "shapes.field.field2",
     "to_glsl": "convert.glsl",
     "torus": "shapes.field.rounds",
+    "to_mesh": "convert.contour",
     "triangulate": "convert.triangulate",
     "union": "shapes.field.operations",
 }

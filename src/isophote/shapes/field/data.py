@@ -129,7 +129,11 @@ class GridData:
 
     @cached_property
     def slope(self) -> float:
-        """A Lipschitz constant of the value: differences of neighbours bound the slopes within each cell.
+        """A Lipschitz constant of the value."""
+        return self._slope_of_samples()
+
+    def _slope_of_samples(self) -> float:
+        """A Lipschitz constant of what samples mean: differences of neighbours bound the slopes within each cell.
 
         Beyond the grid, where samples are above 0, the square of the slope is a mean of that of the samples and of 1;
         where they are below 0, it is their sum, less the slope of the samples along the direction to the grid.

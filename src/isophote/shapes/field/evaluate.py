@@ -14,7 +14,7 @@ import numpy.typing as npt
 from isophote.errors import GeometryError
 from isophote.kernels.forms import opcodes
 from isophote.shapes.field.form import Form
-from isophote.shapes.field.tape import Tape, sharing_slots, tape_of
+from isophote.shapes.field.tape import Tape, numpy_values, sharing_slots, tape_of
 
 __all__ = ["gradients", "packed_data", "scratch", "values"]
 
@@ -49,8 +49,18 @@ def values(form: Form, points: npt.ArrayLike) -> Singles:
     from isophote.kernels.forms.tape import LANES, evaluate_points
 
     array = _points_of(form, points)
+    if form.is_opaque:
+        return _opaque_values(form, array)
     out = np.empty(len(array), np.float32)
     _on_all(evaluate_points, form, array, out, LANES)
+    return out
+
+
+def _opaque_values(form: Form, points: npt.NDArray[Any]) -> Singles:
+    """Values by NumPy, which asks the user's functions themselves."""
+    out = np.full(len(points), np.nan, np.float32)
+    finite = np.isfinite(points).all(axis=1)
+    out[finite] = numpy_values(form, points[finite])
     return out
 
 

@@ -102,6 +102,11 @@ class Form:
         """How deep the tree goes below this form, itself counted."""
         return 1 + max((child.depth for child in self.children()), default=0)
 
+    @cached_property
+    def is_opaque(self) -> bool:
+        """Whether values come of a function that only NumPy can ask: tapes hold samples of it."""
+        return any(child.is_opaque for child in self.children())
+
     def __repr__(self) -> str:
         return self.spelled()
 
