@@ -87,6 +87,7 @@ _HOME = {
     "to_glsl": "convert.glsl",
     "torus": "shapes.field.rounds",
     "to_mesh": "convert.contour",
+    "to_mesh": "convert.contour",
     "triangulate": "convert.triangulate",
     "union": "shapes.field.operations",
 }
