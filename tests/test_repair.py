@@ -70,14 +70,15 @@ def test_minus_zero_is_zero() -> None:
 
 
 def test_a_tolerance_without_meaning_is_refused() -> None:
-    for weld in (-1, float("nan"), float("inf"), "much"):
+    for weld in (-1, float("nan"), float("inf"), "much", True):
         with pytest.raises(iso.GeometryError, match="weld must be"):
             repair(cube(), weld=weld)  # type: ignore[arg-type]
     points = np.random.default_rng(0).random((3000, 3))
     with pytest.raises(iso.GeometryError, match="too large for this mesh"):
         repair(iso.Mesh(points, np.arange(3000).reshape(-1, 3)), weld=10.0)
-    with pytest.raises(iso.GeometryError, match="holes must be"):
-        repair(cube(), holes=-1)
+    for holes in (-1, 2.5, "all", None):
+        with pytest.raises(iso.GeometryError, match="holes must be"):
+            repair(cube(), holes=holes)  # type: ignore[arg-type]
 
 
 def test_degenerate_faces_are_dropped_or_cut() -> None:

@@ -9,7 +9,7 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
-from isophote.analysis.arrays import read_only
+from isophote.analysis.arrays import distinct, read_only
 from isophote.analysis.connectivity.boundary import Chains, Details, Walks, look_closer, passed_vertices, trace
 from isophote.analysis.connectivity.components import Components, Pieces, find_pieces
 from isophote.analysis.connectivity.sheets import find_sheets
@@ -132,7 +132,7 @@ def topology(mesh: Mesh) -> Topology:
         components=components,
         boundary_edges=_edges(faces, boundary),
         non_manifold_edges=_edges(faces, crowded),
-        non_manifold_faces=faces.number(np.unique(faces.of_half_edges(crowded))),
+        non_manifold_faces=faces.number(distinct(faces.of_half_edges(crowded))),
         non_manifold_vertices=singular,
         turned_edges=_edges(faces, found.details.half_edges(kernels.EDGE_TURNED)),
         unused_vertices=np.flatnonzero(degree == 0),
@@ -195,7 +195,7 @@ def _edges(faces: Faces, half_edges: Longs) -> npt.NDArray[np.int32]:
     """The edges that half-edges lie on, each once, in increasing order."""
     ends = np.stack([faces.indices[half_edges], faces.indices[faces.ahead(half_edges)]], axis=1)
     low, high = ends.min(axis=1).astype(np.int64), ends.max(axis=1).astype(np.int64)
-    packed = np.unique(low << 32 | high)
+    packed = distinct(low << 32 | high)
     return np.stack([packed >> 32, packed & 0xFFFFFFFF], axis=1).astype(np.int32)
 
 

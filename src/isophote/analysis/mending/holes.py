@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from isophote.analysis.arrays import distinct
 from isophote.analysis.connectivity.boundary import Chains, look_closer, passed_vertices, trace
 from isophote.analysis.connectivity.stars import Faces, gather, pick_sound_faces
 from isophote.analysis.connectivity.topology import survey
@@ -111,7 +112,7 @@ def _edges_between(faces: Faces, vertices: Longs) -> Longs:
     a = faces.indices[begins].astype(np.int64)
     b = faces.indices[faces.ahead(begins)].astype(np.int64)
     both = chosen[b]
-    return np.unique((np.minimum(a, b) << 32 | np.maximum(a, b))[both])
+    return distinct((np.minimum(a, b) << 32 | np.maximum(a, b))[both])
 
 
 def _edit(mesh: Mesh, loops: list[_Loop], lids: list[npt.NDArray[np.int64] | None]) -> Edit:

@@ -155,6 +155,6 @@ def _most_edges(holes: bool | int) -> int | None:
     """The longest loop to fill; None for all, 0 for none."""
     if holes is True:
         return None
-    if isinstance(holes, int) and holes >= 0:
+    if isinstance(holes, int | np.integer) and holes >= 0:
         return int(holes)
     raise GeometryError(f"holes must be True, False or the most edges of a hole to fill, but is {holes!r}")

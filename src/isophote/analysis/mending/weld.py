@@ -23,15 +23,17 @@ def weld(mesh: Mesh, tolerance: float) -> tuple[Edit, Longs]:
 
     Returns the edit, and the merged vertices with those that they went into, (k, 2).
     """
-    if not (isinstance(tolerance, int | float) and math.isfinite(tolerance) and tolerance >= 0):
+    number = isinstance(tolerance, int | float | np.number) and not isinstance(tolerance, bool)
+    if not (number and math.isfinite(tolerance) and tolerance >= 0):
         raise GeometryError(f"weld must be None or a distance, finite and 0 or above, but is {tolerance!r}")
     leader = _same_place(mesh.vertices)
     if tolerance > 0:
         own = np.flatnonzero(leader == np.arange(len(leader)))
         leader = own[_near(mesh.vertices[own], tolerance)][np.searchsorted(own, leader)]
-    merged = np.flatnonzero(leader != np.arange(len(leader)))
-    number = np.cumsum(leader == np.arange(len(leader))) - 1
-    edit = unchanged(mesh)._replace(vertex=np.unique(leader), indices=number[leader[mesh.indices]])
+    stays = leader == np.arange(len(leader))
+    merged = np.flatnonzero(~stays)
+    number = np.cumsum(stays) - 1
+    edit = unchanged(mesh)._replace(vertex=np.flatnonzero(stays), indices=number[leader[mesh.indices]])
     return edit, np.stack([merged, leader[merged]], axis=1)
 
 
