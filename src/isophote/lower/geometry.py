@@ -15,7 +15,6 @@ from isophote.kernels.accel.geometry import GEOMETRY
 from isophote.kernels.accel.layout import BLOCK, CHILD, NODE
 from isophote.kernels.accel.surface import SURFACES
 from isophote.kernels.base.table import Packed
-from isophote.scene.scene import Item
 from isophote.shapes.mesh import Attribute, Mesh
 
 __all__ = ["Part", "lower_geometry"]
@@ -74,6 +73,10 @@ class _SurfaceBuilder:
         self.normals, self.normal_corners = _Rows(), _Rows()
         self.uvs, self.uv_corners = _Rows(), _Rows()
         self.faces, self.lights = _Rows(), _Rows()
+
+    def add_field(self, material: int, public: int) -> None:
+        """An item without triangles."""
+        self.items.append((0, material, -1, -1, -1, -1, 0, public))
 
     def add(self, part: Part, cut: Triangles, first_triangle: int, world: Matrix) -> None:
         """One item; `world` takes its normals from the mesh to where its object stands."""
@@ -154,6 +157,8 @@ class _World(NamedTuple):
 
 
 def _merge(pieces: Sequence[tuple[FloatArray, IntArray]]) -> _World:
+    if len(pieces) == 0:
+        return _World(np.zeros((0, 3), np.float32), np.zeros((0, 3), np.int32))
     if len(pieces) == 1:
         return _World(*pieces[0])
     starts = np.cumsum([0, *(len(positions) for positions, _ in pieces)])
@@ -161,11 +166,16 @@ def _merge(pieces: Sequence[tuple[FloatArray, IntArray]]) -> _World:
     return _World(np.concatenate([p for p, _ in pieces]), np.concatenate(triangles))
 
 
-def lower_geometry(parts: Sequence[Part], threads: int | None = None) -> tuple[Packed, Packed, FloatArray]:
-    """Trees, instances and surfaces of all parts, and the world's bounds, (2, 3) float32.
+def lower_geometry(
+    parts: Sequence[Part], fields: Sequence[tuple[int, int]] = (), threads: int | None = None
+) -> tuple[Packed, Packed, FloatArray]:
+    """Trees, instances and surfaces of all parts, and the world's bounds, (2, 3) float32, of which the least is above
+    the greatest where there are none.
 
     What is used once, or often but small, becomes one tree in the world; what is left becomes instances of one tree a
-    mesh. Raises `SceneError` where coordinates leave the range of single precision.
+    mesh. `fields` are material and number for the user of items that have no triangles; they get the rows of the
+    surfaces' items behind those of the parts. Raises `SceneError` where coordinates leave the range of single
+    precision.
     """
     uses: dict[int, int] = {}
     for part in parts:
@@ -187,7 +197,7 @@ def lower_geometry(parts: Sequence[Part], threads: int | None = None) -> tuple[P
             surfaces.add(part, cut, first, part.matrix)
             pieces.append((_placed(part), cut.triangles))
             first += len(cut.triangles)
-    if pieces:
+    if pieces or not parts:
         instances.append((0, _IDENTITY, 0, len(pieces)))
         objects.append(_tree(*_merge(pieces), threads))
     shared: dict[int, int] = {}
@@ -199,6 +209,8 @@ def lower_geometry(parts: Sequence[Part], threads: int | None = None) -> tuple[P
                 objects.append(_tree(_floats(part.mesh.vertices), cut.triangles, threads))
             instances.append((shared[id(part.mesh)], part.matrix, len(surfaces.items), 1))
             surfaces.add(part, cut, 0, _IDENTITY)
+    for material, public in fields:
+        surfaces.add_field(material, public)
     geometry, slack, bounds = _instances(objects, instances)
     spans = np.array([row[2:] for row in instances], np.int32).reshape(-1, 2)
     return geometry, surfaces.build(spans, slack), bounds
@@ -276,13 +288,3 @@ def _join(objects: Sequence[Tree]) -> tuple[FloatArray, FloatArray, list[int]]:
         node += len(nodes)
         block += len(tree.blocks) // BLOCK
     return np.concatenate(all_nodes), _floats(np.concatenate(all_blocks)), roots
-
-
-def parts_of(items: Sequence[Item]) -> list[tuple[Item, Mesh]]:
-    """Items with their meshes. Raises `SceneError` for shapes that no renderer draws yet."""
-    pairs = []
-    for number, item in enumerate(items):
-        if not isinstance(item.shape, Mesh):
-            raise SceneError(f"items[{number}]: a {type(item.shape).__name__} cannot be rendered; give a Mesh")
-        pairs.append((item, item.shape))
-    return pairs

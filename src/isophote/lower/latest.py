@@ -7,6 +7,7 @@ import weakref
 from typing import NamedTuple
 
 from isophote.kernels.base.table import Packed
+from isophote.scene.camera import AnyCamera
 from isophote.scene.light import Light
 from isophote.scene.scene import Item, Scene
 
@@ -16,6 +17,7 @@ __all__ = ["Latest"]
 class _Kept(NamedTuple):
     items: tuple[weakref.ref[Item], ...]
     lights: tuple[Light, ...]
+    camera: AnyCamera | None
     tables: dict[str, Packed]
 
 
@@ -27,19 +29,21 @@ class Latest:
         self._kept: _Kept | None = None
 
     def find(self, scene: Scene) -> dict[str, Packed] | None:
-        """The tables of a scene with the very same items and equal lights."""
+        """The tables of a scene with the very same items and equal lights, and an equal camera where that counts."""
         with self._lock:
             kept = self._kept
         if kept is None or len(kept.items) != len(scene.items) or kept.lights != scene.lights:
             return None
+        if kept.camera is not None and kept.camera != scene.camera:
+            return None
         same = all(ref() is item for ref, item in zip(kept.items, scene.items, strict=True))
         return kept.tables if same else None
 
-    def keep(self, scene: Scene, tables: dict[str, Packed]) -> None:
-        """Remember these tables instead of the last ones."""
+    def keep(self, scene: Scene, tables: dict[str, Packed], *, one_view: bool = False) -> None:
+        """Remember these tables instead of the last ones; with `one_view` they are only for the scene's camera."""
         items = tuple(weakref.ref(item, self._forget) for item in scene.items)
         with self._lock:
-            self._kept = _Kept(items, scene.lights, tables)
+            self._kept = _Kept(items, scene.lights, scene.camera if one_view else None, tables)
 
     def _forget(self, dead: weakref.ref[Item]) -> None:
         # No lock: a collection may call this while one is held, and setting a name is atomic.

@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import NamedTuple
+
 import numpy as np
+import numpy.typing as npt
 
 from isophote.errors import SceneError
 from isophote.kernels.base.table import Packed
 from isophote.kernels.trace.tables import SCENE
-from isophote.lower.geometry import Part, lower_geometry, parts_of
+from isophote.lower.fields import FieldPart, endless, lower_fields, no_fields
+from isophote.lower.geometry import Part, lower_geometry
 from isophote.lower.latest import Latest
 from isophote.lower.lights import LightTable, rectangle_mesh
 from isophote.lower.materials import MaterialTable, emission_of
 from isophote.scene.light import RectLight
 from isophote.scene.material import Emitter
-from isophote.scene.scene import Scene
+from isophote.scene.scene import Scene, placed_box
+from isophote.shapes.field.field import Field
+from isophote.shapes.mesh import Mesh
 
 __all__ = ["lower_scene"]
 
@@ -24,53 +31,82 @@ _latest = Latest()
 def lower_scene(scene: Scene, size: tuple[int, int], threads: int | None = None) -> Packed:
     """The tables of `scene` for a picture of `size` (width, height).
 
-    Items are numbered as they stand in the scene; area lights go on from there, in their order among the lights.
-    Tables of the scene lowered last are used again where only the camera or the size differ. Raises `SceneError` for a
-    scene without items that can be drawn, or without a camera.
+    Items are numbered as they stand in the scene; area lights go on from there, in their order among the lights. Tables
+    of the scene lowered last are used again where only the camera or the size differ. Endless fields reach as far as
+    lower/fields.py says. Raises `SceneError` for a scene without items that can be drawn, or without a camera.
     """
     if scene.camera is None:
         raise SceneError("the scene has no camera; give Scene(camera=...) or use isophote.studio(scene)")
     camera = np.stack(scene.camera.linear_map(size)).astype(np.float32)
     tables = _latest.find(scene)
     if tables is None:
-        tables = _tables(scene, threads)
-        _latest.keep(scene, tables)
+        parts = _parts_of(scene)
+        tables = _tables(scene, parts, threads)
+        _latest.keep(scene, tables, one_view=endless(parts.fields))
     return SCENE.pack(**tables, camera=camera)
 
 
-def _tables(scene: Scene, threads: int | None) -> dict[str, Packed]:
+class _Parts(NamedTuple):
+    """The items of a scene by kind, and the materials and lights among them so far."""
+
+    meshes: list[Part]
+    fields: list[FieldPart]
+    materials: MaterialTable
+    lights: LightTable
+
+
+def _tables(scene: Scene, parts: _Parts, threads: int | None) -> dict[str, Packed]:
     """All tables but the camera's."""
-    materials, lights = MaterialTable(), LightTable()
-    parts = _parts(scene, materials, lights)
-    if not parts:
+    if not parts.meshes and not parts.fields:
         raise SceneError("the scene has nothing to draw: no items and no rectangle lights")
-    geometry, surfaces, bounds = lower_geometry(parts, threads)
-    reach = float(np.linalg.norm(bounds[1] - bounds[0])) / 2
+    labels = [(part.material, part.public) for part in parts.fields]
+    geometry, surfaces, bounds = lower_geometry(parts.meshes, labels, threads)
+    finite = _finite_bounds(scene, bounds, parts.fields)
+    fields = lower_fields(parts.fields, len(parts.meshes), finite, threads) if parts.fields else no_fields()
+    reach = float(np.linalg.norm(finite[1] - finite[0])) / 2
     for number, light in enumerate(scene.lights, start=len(scene.items)):
         if not isinstance(light, RectLight):
-            lights.add(light, reach, number)
-    material_table, textures = materials.build()
+            parts.lights.add(light, reach, number)
+    material_table, textures = parts.materials.build()
     return {
         "geometry": geometry,
         "surfaces": surfaces,
+        "fields": fields,
         "materials": material_table,
         "textures": textures,
-        "lights": lights.build(reach),
+        "lights": parts.lights.build(reach),
     }
 
 
-def _parts(scene: Scene, materials: MaterialTable, lights: LightTable) -> list[Part]:
-    parts = []
-    for number, (item, mesh) in enumerate(parts_of(scene.items)):
-        radiance, two_sided = emission_of(item.material)
-        matrix = item.transform.matrix
-        shines = max(radiance) > 0
-        own = lights.add_mesh(mesh, matrix, radiance, two_sided) if shines else None
-        parts.append(Part(mesh, matrix, materials.number(item.material), number, own))
+def _finite_bounds(
+    scene: Scene, meshes: npt.NDArray[np.float32], fields: Sequence[FieldPart]
+) -> npt.NDArray[np.float64]:
+    """(2, 3): a box around all meshes and fields that have bounds, and the camera where some field has none."""
+    boxes = [meshes.astype(np.float64)] + [placed_box(part.field.bounds, part.matrix) for part in fields]
+    finite = [box for box in boxes if np.isfinite(box).all()]
+    if endless(fields) and scene.camera is not None:
+        finite.append(np.array([scene.camera.eye, scene.camera.eye]))
+    return np.stack([np.min([box[0] for box in finite], axis=0), np.max([box[1] for box in finite], axis=0)])
+
+
+def _parts_of(scene: Scene) -> _Parts:
+    parts = _Parts([], [], MaterialTable(), LightTable())
+    for number, item in enumerate(scene.items):
+        matrix, material = item.transform.matrix, parts.materials.number(item.material)
+        if isinstance(item.shape, Mesh):
+            radiance, two_sided = emission_of(item.material)
+            own = parts.lights.add_mesh(item.shape, matrix, radiance, two_sided) if max(radiance) > 0 else None
+            parts.meshes.append(Part(item.shape, matrix, material, number, own))
+        elif isinstance(item.shape, Field):
+            parts.fields.append(FieldPart(item.shape, matrix, material, number))
+        else:
+            raise SceneError(
+                f"items[{number}]: a {type(item.shape).__name__} cannot be rendered; give a Mesh or a Field"
+            )
     for number, light in enumerate(scene.lights, start=len(scene.items)):
         if isinstance(light, RectLight):
             mesh, matrix, radiance = rectangle_mesh(light), light.transform.matrix, light.radiance_rgb
-            own = lights.add_mesh(mesh, matrix, radiance, light.two_sided)
-            material = materials.number(Emitter(radiance, two_sided=light.two_sided))
-            parts.append(Part(mesh, matrix, material, number, own))
+            own = parts.lights.add_mesh(mesh, matrix, radiance, light.two_sided)
+            material = parts.materials.number(Emitter(radiance, two_sided=light.two_sided))
+            parts.meshes.append(Part(mesh, matrix, material, number, own))
     return parts

@@ -10,9 +10,9 @@ import numpy as np
 import numpy.typing as npt
 
 from isophote.errors import RenderError
-from isophote.kernels.accel.geometry import SCRATCH_WORDS
 from isophote.kernels.base.table import Packed
 from isophote.kernels.trace.first_hit import FEATURES, first_hits
+from isophote.lower.fields import scratch_words
 from isophote.progress import Reporter
 from isophote.rendering.image import Image
 from isophote.rendering.pool import Pool
@@ -82,7 +82,8 @@ def first_hit_channels(scene: Packed, size: Size, pool: Pool) -> Mapping[str, Ar
         "primitive": np.full((height, width), -1, np.int32),
     }
     flat = {name: array.reshape(height, -1) for name, array in channels.items()}
-    features = [FEATURES.pack(**flat, scratch=np.zeros(SCRATCH_WORDS, np.float32)) for _ in range(pool.threads)]
+    words = scratch_words(scene.arrays["fields"])
+    features = [FEATURES.pack(**flat, scratch=np.zeros(words, np.float32)) for _ in range(pool.threads)]
 
     def work(first: int, thread: int) -> None:
         first_hits(scene.words, features[thread].words, width, first, min(first + _ROWS_A_JOB, height))

@@ -16,6 +16,7 @@ from isophote.kernels.light import film as film_kernels
 from isophote.kernels.trace.path import path_trace_tile
 from isophote.kernels.trace.tables import FILM, PLAN
 from isophote.kernels.trace.wave import new_wave
+from isophote.lower.fields import scratch_words
 from isophote.lower.scene import lower_scene
 from isophote.rendering.image import Image
 from isophote.rendering.method import Array, Job, Size, first_hit_channels
@@ -124,7 +125,8 @@ class PathTrace:
             max_depth=self.max_depth,
             roulette_depth=_ROULETTE,
         )
-        waves = [new_wave(_WAVE) for _ in range(pool.threads)]
+        words = scratch_words(scene.arrays["fields"])
+        waves = [new_wave(_WAVE, words) for _ in range(pool.threads)]
         tiles = tiles_of(job.size, _TILE)
         progress = _Progress(self, job, len(tiles))
         try:

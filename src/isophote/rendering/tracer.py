@@ -13,6 +13,7 @@ from isophote.errors import RenderError
 from isophote.kernels.base.table import Packed
 from isophote.kernels.trace.rays import QUERY, closest_rays, hit_normals, occluded_rays
 from isophote.kernels.trace.wave import new_wave
+from isophote.lower.fields import scratch_words
 from isophote.lower.scene import lower_scene
 from isophote.rendering.pool import Pool
 from isophote.scene.camera import Camera
@@ -47,7 +48,7 @@ class Hits:
     primitive: Ints
     uv: Floats
     _rays: tuple[Floats, Floats] = attrs.field(repr=False)
-    _triangles: tuple[Ints, Ints] = attrs.field(repr=False)
+    _query: Packed = attrs.field(repr=False)
     _scene: Packed = attrs.field(repr=False)
 
     @property
@@ -59,9 +60,10 @@ class Hits:
 
     @property
     def normal(self) -> Floats:
-        """(n, 3): unit geometric normals, outward; zeros where nothing is met."""
+        """(n, 3): unit normals, outward (of triangles the geometric ones); zeros where nothing is met."""
         normals = np.zeros((len(self.item), 3), np.float32)
-        hit_normals(self._scene.words, *self._triangles, normals)
+        scratch = np.zeros(scratch_words(self._scene.arrays["fields"]), np.float32)
+        hit_normals(self._scene.words, self._query.words, scratch, normals)
         return normals
 
     @property
@@ -104,7 +106,7 @@ class Tracer:
         count = len(rays[0])
         distance, uv = np.empty(count, np.float32), np.empty((count, 2), np.float32)
         item, primitive, slot, instance = (np.empty(count, np.int32) for _ in range(4))
-        self._run(
+        query = self._run(
             closest_rays,
             rays,
             coherent,
@@ -116,7 +118,7 @@ class Tracer:
             instance=instance,
             blocked=np.zeros(0, np.uint8),
         )
-        return Hits(distance, item, primitive, uv, rays[:2], (slot, instance), self._scene)
+        return Hits(distance, item, primitive, uv, rays[:2], query, self._scene)
 
     def occluded(
         self,
@@ -150,12 +152,13 @@ class Tracer:
         rays: tuple[Floats, Floats, Floats],
         coherent: bool,
         **found: npt.NDArray[np.generic],
-    ) -> None:
+    ) -> Packed:
         origins, directions, limit = rays
         count = len(origins)
         query = QUERY.pack(origins=origins, directions=directions, limit=limit, **found)
         pool = Pool(self._threads)
-        waves = [new_wave(_WAVE) for _ in range(pool.threads)]
+        words = scratch_words(self._scene.arrays["fields"])
+        waves = [new_wave(_WAVE, words) for _ in range(pool.threads)]
 
         def work(first: int, thread: int) -> None:
             last = min(first + _RAYS_A_JOB, count)
@@ -167,6 +170,7 @@ class Tracer:
         if pool.interrupted:
             # Rays that were not traced have no answers, so there is nothing to give back.
             raise KeyboardInterrupt
+        return query
 
 
 def _rays(

@@ -16,7 +16,7 @@ from isophote.scene.light import AreaLight, Environment, Light, PointLight, Sky,
 from isophote.scene.material import Emitter, Glass, Material, Matte, Mirror, Principled
 from isophote.scene.transform import Axis, Transform
 
-__all__ = ["Item", "Scene", "Shape", "is_shape"]
+__all__ = ["Item", "Scene", "Shape", "is_shape", "placed_box"]
 
 Bounds: TypeAlias = npt.NDArray[np.float64]
 
@@ -91,10 +91,10 @@ class Item:
     @property
     def bounds(self) -> Bounds:
         """(2, 3): a box in world space around the shape's own box, placed."""
-        return _placed_box(np.asarray(self.shape.bounds, np.float64), self.transform.matrix)
+        return placed_box(np.asarray(self.shape.bounds, np.float64), self.transform.matrix)
 
 
-def _placed_box(box: Bounds, matrix: npt.NDArray[np.float64]) -> Bounds:
+def placed_box(box: Bounds, matrix: npt.NDArray[np.float64]) -> Bounds:
     """Box around a placed box, axis by axis. Source: Arvo, "Transforming axis-aligned bounding boxes", 1990."""
     linear, offset = matrix[:3, :3], matrix[:3, 3]
     # A zero entry ignores its axis, even where the box is infinite along it.
@@ -148,7 +148,7 @@ class Scene:
         for item in self.items:
             if id(item.shape) not in boxes:
                 boxes[id(item.shape)] = np.asarray(item.shape.bounds, np.float64)
-        placed = np.stack([_placed_box(boxes[id(item.shape)], item.transform.matrix) for item in self.items])
+        placed = np.stack([placed_box(boxes[id(item.shape)], item.transform.matrix) for item in self.items])
         return np.stack([placed[:, 0].min(axis=0), placed[:, 1].max(axis=0)])
 
     def with_(self, **changes: Any) -> Scene:

@@ -18,10 +18,11 @@ from isophote.kernels.base.simd import load_float, load_int, lowest_bit, store8,
 from isophote.kernels.base.table import BYTES, FLOAT_ROWS, FLOATS, INTS, Table
 from isophote.kernels.base.vec import vec3
 
-__all__ = ["GEOMETRY", "SCRATCH_WORDS", "Hit", "affine_point", "affine_vector", "closest_hit", "occluded"]
+__all__ = ["GEOMETRY", "SCRATCH_WORDS", "Hit", "affine_point", "affine_vector", "closest_hit", "occluded", "push_boxes"]
 
 # Two stacks for a single ray, the upper tree's behind the lower one's, or one packet.
 SCRATCH_WORDS = max(2 * SCRATCH, PACKET_SCRATCH)
+_NEAR = np.int64(SCRATCH + STACK)
 
 _ZERO = np.float32(0)
 
@@ -98,7 +99,7 @@ def closest_hit(geometry, origin, direction, t_max, scratch):
     node = np.int32(0) if many else np.int32(-2)
     while True:
         if node >= 0:
-            top = _push_instances(geometry, node, origin, direction, best.t, scratch, top)
+            top = push_boxes(geometry.top_nodes, node, origin, direction, best.t, scratch, top, _NEAR)
         else:
             code = np.int64(-1) - np.int64(node)
             first = code >> 3
@@ -115,10 +116,11 @@ def closest_hit(geometry, origin, direction, t_max, scratch):
 
 
 @device
-def _push_instances(geometry, node, origin, direction, t_max, scratch, top):
-    """Push the children of a node of the upper tree that the ray enters, the nearest last. Returns the new top."""
-    near_row = np.int64(SCRATCH + STACK)
-    nodes = geometry.top_nodes
+def push_boxes(nodes, node, origin, direction, t_max, scratch, top, near_row):
+    """Push the children of a node of a tree over boxes that the ray enters, the nearest last. Returns the new top.
+
+    `near_row` is where the scratch has WIDTH words to spare.
+    """
     entered, near = enter_children(nodes, np.int64(node) * NODE, slabs(origin, direction), t_max)
     store8(scratch, near_row, near)
     bottom = top
@@ -149,7 +151,7 @@ def occluded(geometry, origin, direction, t_max, scratch):
     node = np.int32(0) if many else np.int32(-2)
     while True:
         if node >= 0:
-            top = _push_instances(geometry, node, origin, direction, t_max, scratch, top)
+            top = push_boxes(geometry.top_nodes, node, origin, direction, t_max, scratch, top, _NEAR)
         else:
             code = np.int64(-1) - np.int64(node)
             first = code >> 3

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from isophote.kernels.accel.geometry import closest_hit, occluded
+from isophote.kernels.accel.field_chain import closest_field, field_occludes
+from isophote.kernels.accel.geometry import Hit, closest_hit, occluded
 from isophote.kernels.accel.layout import BLOCK, PACKET
 from isophote.kernels.accel.packet import (
     LIMIT,
@@ -34,7 +35,7 @@ __all__ = [
 # Slot of a hit that is a disk or sphere light, whose number stands in the place of the instance.
 LAMP = np.int64(-2)
 
-_ONE = np.float32(1)
+_ZERO, _ONE = np.float32(0), np.float32(1)
 
 # Scenes of so few leaf blocks are traced in packets even where rays go every way.
 _FEW_BLOCKS = 24
@@ -122,12 +123,26 @@ def _closest_one_by_one(geometry, wave, count):
 
 
 @device
+def _closest_fields(fields, wave, count):
+    """Fields that lie before what the wave's rays have met so far."""
+    floats, longs = wave.floats, wave.longs
+    for i in range(count):
+        origin, direction = row_vec3(floats, rows.ORIGIN, i), row_vec3(floats, rows.DIRECTION, i)
+        best = Hit(floats[rows.HIT_T, i], _ZERO, _ZERO, longs[rows.HIT_SLOT, i], longs[rows.HIT_INSTANCE, i])
+        hit = closest_field(fields, origin, direction, best, wave.scratch)
+        floats[rows.HIT_T, i] = hit.t
+        longs[rows.HIT_SLOT, i], longs[rows.HIT_INSTANCE, i] = hit.slot, hit.instance
+
+
+@device
 def trace_rays(scene, wave, count, coherent):
-    """First hit of every path's ray, lamps included."""
+    """First hit of every path's ray, fields and lamps included."""
     if in_packets(scene.geometry, coherent):
         closest_in_packets(scene.geometry, wave, count)
     else:
         _closest_one_by_one(scene.geometry, wave, count)
+    if scene.fields.numbers.rows > 0:
+        _closest_fields(scene.fields, wave, count)
     if scene.lights.lamps.rows == 0:
         return
     floats, longs = wave.floats, wave.longs
@@ -141,10 +156,12 @@ def trace_rays(scene, wave, count, coherent):
 
 @device
 def _light_arrives(scene, wave, i):
-    """Add the light of shadow ray `i`, which no triangle blocks, unless a lamp does."""
+    """Add the light of shadow ray `i`, which no triangle blocks, unless a field or a lamp does."""
     floats = wave.floats
-    if scene.lights.lamps.rows > 0:
+    if scene.fields.numbers.rows + scene.lights.lamps.rows > 0:
         origin, direction = row_vec3(floats, rows.SHADOW_ORIGIN, i), row_vec3(floats, rows.SHADOW_DIRECTION, i)
+        if field_occludes(scene.fields, origin, direction, floats[rows.SHADOW_END, i], wave.scratch):
+            return
         if lamp_blocks(scene.lights, origin, direction, floats[rows.SHADOW_END, i]):
             return
     add_radiance(wave, np.int64(wave.ints[rows.SHADOW_OWNER, i]), row_vec3(floats, rows.SHADOW_LIGHT, i))

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from isophote.kernels.accel.field_chain import closest_field, surface_of
 from isophote.kernels.accel.geometry import closest_hit
-from isophote.kernels.accel.surface import PUBLIC, face_number, surface_at
+from isophote.kernels.accel.surface import PUBLIC, face_number
 from isophote.kernels.base.jit import device, kernel
 from isophote.kernels.base.table import FLOAT_ROWS, FLOATS, INT_ROWS, Table
 from isophote.kernels.base.vec import dot, length
@@ -17,7 +18,7 @@ from isophote.kernels.trace.tables import SCENE
 __all__ = ["FEATURES", "first_hits"]
 
 _ZERO, _HALF = np.float32(0), np.float32(0.5)
-_FAR = np.float32(np.inf)
+_FAR, _NONE = np.float32(np.inf), np.int64(-1)
 
 # Rows y, pixels x: `depth`, `distance`, `item`, `primitive` (height, width), the others (height, channels · width).
 FEATURES = Table(
@@ -56,8 +57,8 @@ def _write_lamp(scene, features, y, x, origin, direction, t, lamp):
 
 
 @device
-def _write_surface(scene, features, y, x, direction, hit):
-    surface = surface_at(scene.geometry, scene.surfaces, hit)
+def _write_surface(scene, features, y, x, origin, direction, hit):
+    surface = surface_of(scene.geometry, scene.surfaces, scene.fields, origin, direction, hit, features.scratch)
     _set(features.normal, y, x, _facing(surface.shading, direction))
     _set(features.albedo, y, x, surface_colour(scene, surface))
     features.uv[y, 2 * x] = surface.u
@@ -75,12 +76,13 @@ def first_hits(scene_words, feature_words, width, y0, y1):
             px, py = np.float32(x) + _HALF, np.float32(y) + _HALF
             origin, direction = camera_ray(scene.camera, px, py, _ZERO, _ZERO)
             hit = closest_hit(scene.geometry, origin, direction, _FAR, features.scratch)
+            hit = closest_field(scene.fields, origin, direction, hit, features.scratch)
             t, lamp = closest_lamp(scene.lights, origin, direction, hit.t)
-            if lamp < 0 and hit.slot < 0:
+            if lamp < 0 and hit.slot == _NONE:
                 continue
             features.depth[y, x] = t
             features.distance[y, x] = t * length(direction)
             if lamp >= 0:
                 _write_lamp(scene, features, y, x, origin, direction, t, lamp)
             else:
-                _write_surface(scene, features, y, x, direction, hit)
+                _write_surface(scene, features, y, x, origin, direction, hit)

@@ -15,8 +15,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from isophote.kernels.accel.field_chain import surface_of
+from isophote.kernels.accel.field_layout import FIELD
 from isophote.kernels.accel.geometry import Hit
-from isophote.kernels.accel.surface import MATERIAL, offset_point, surface_at, triangle_light
+from isophote.kernels.accel.surface import MATERIAL, offset_point, triangle_light
 from isophote.kernels.base.jit import device, kernel
 from isophote.kernels.base.sampler import draw_pairs
 from isophote.kernels.base.vec import dot, length, maximum_component, vec3
@@ -250,7 +252,7 @@ def _shade(tables, plan, wave, count, depth):
         owner = np.int64(ints[rows.OWNER, i])
         origin, direction = row_vec3(floats, rows.ORIGIN, i), row_vec3(floats, rows.DIRECTION, i)
         carried, scattered = row_vec3(floats, rows.CARRIED, i), floats[rows.DENSITY, i]
-        if slot < 0:
+        if slot < 0 and slot > FIELD:
             if slot == LAMP:
                 k = longs[rows.HIT_INSTANCE, i]
                 to_light = direction * floats[rows.HIT_T, i]
@@ -263,7 +265,7 @@ def _shade(tables, plan, wave, count, depth):
         hit = Hit(
             floats[rows.HIT_T, i], floats[rows.HIT_W1, i], floats[rows.HIT_W2, i], slot, longs[rows.HIT_INSTANCE, i]
         )
-        surface = surface_at(tables.geometry, tables.surfaces, hit)
+        surface = surface_of(tables.geometry, tables.surfaces, tables.fields, origin, direction, hit, wave.scratch)
         material = np.int64(tables.surfaces.items[surface.item, MATERIAL])
         kind = tables.materials.kinds[material]
         emitted = _emitted(tables, surface, origin, direction, scattered)

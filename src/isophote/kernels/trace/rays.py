@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from isophote.kernels.accel.field_chain import closest_field, field_occludes, surface_of
+from isophote.kernels.accel.field_layout import FIELD, SURFACE
 from isophote.kernels.accel.geometry import Hit, closest_hit, occluded
 from isophote.kernels.accel.surface import (
     FIRST_TRIANGLE,
@@ -41,7 +43,7 @@ QUERY = Table(
 _ZERO = np.float32(0)
 # Beside the least component that boxes are tested with (bvh.py) shorter directions would be turned noticeably.
 _SHORTEST = np.float32(1e-8)
-_FAR = np.float32(np.inf)
+_FAR, _NONE = np.float32(np.inf), np.int64(-1)
 
 open_scene, open_query, open_wave = SCENE.open, QUERY.open, rows.WAVE.open
 
@@ -128,6 +130,22 @@ def _closest_in_packets(scene, query, wave, first, last):
                 _write(scene, query, start + i, Hit(floats[rows.HIT_T, i], w1, w2, slot, np.int64(0)))
 
 
+@device
+def _closest_fields(scene, query, wave, first, last):
+    """Fields that lie before what rays first ≤ i < last have met so far."""
+    for i in range(first, last):
+        origin, direction = _row(query.origins, i), _row(query.directions, i)
+        limit = query.limit[i] if query.slot[i] == _NONE else query.distance[i]
+        best = Hit(limit, _ZERO, _ZERO, _NONE, np.int64(0))
+        hit = closest_field(scene.fields, origin, direction, best, wave.scratch)
+        if hit.slot != _NONE:
+            query.distance[i] = hit.t
+            query.uv[i, 0] = query.uv[i, 1] = _ZERO
+            query.item[i] = scene.surfaces.items[scene.fields.numbers[hit.instance, SURFACE], PUBLIC]
+            query.primitive[i] = 0
+            query.slot[i], query.instance[i] = hit.slot, hit.instance
+
+
 @kernel
 def closest_rays(scene_words, query_words, wave_words, first, last, coherent):
     """The first hit of rays first ≤ i < last. Returns (kind, number) of the first of them that makes no sense, without
@@ -140,6 +158,8 @@ def closest_rays(scene_words, query_words, wave_words, first, last, coherent):
         _closest_in_packets(scene, query, wave, first, last)
     else:
         _closest_one_by_one(scene, query, wave, first, last)
+    if scene.fields.numbers.rows > 0:
+        _closest_fields(scene, query, wave, first, last)
     return fault
 
 
@@ -163,20 +183,35 @@ def occluded_rays(scene_words, query_words, wave_words, first, last, coherent):
         return fault
     if in_packets(scene.geometry, coherent):
         _blocked_in_packets(scene, query, wave, first, last)
-        return fault
-    for i in range(first, last):
-        origin, direction = _row(query.origins, i), _row(query.directions, i)
-        query.blocked[i] = occluded(scene.geometry, origin, direction, query.limit[i], wave.scratch)
+    else:
+        for i in range(first, last):
+            origin, direction = _row(query.origins, i), _row(query.directions, i)
+            query.blocked[i] = occluded(scene.geometry, origin, direction, query.limit[i], wave.scratch)
+    if scene.fields.numbers.rows > 0:
+        for i in range(first, last):
+            if query.blocked[i] == 0:
+                origin, direction = _row(query.origins, i), _row(query.directions, i)
+                query.blocked[i] = field_occludes(scene.fields, origin, direction, query.limit[i], wave.scratch)
     return fault
 
 
 @kernel
-def hit_normals(scene_words, slots, instances, normals):
-    """Unit geometric normals, outward, of the triangles named; rows without one keep what they hold."""
-    scene = open_scene(scene_words)
-    for i in range(slots.size):
-        if slots[i] >= 0:
-            slot, instance = np.int64(slots[i]), np.int64(instances[i])
-            item = item_of(scene.surfaces, instance, triangle_number(scene.geometry, slot))
-            normal = true_normal(scene.geometry, scene.surfaces, Hit(_ZERO, _ZERO, _ZERO, slot, instance), item)
-            normals[i, 0], normals[i, 1], normals[i, 2] = normal.x, normal.y, normal.z
+def hit_normals(scene_words, query_words, scratch, normals):
+    """Unit geometric normals, outward, of what was met; rows of rays that met nothing keep what they hold."""
+    scene, query = open_scene(scene_words), open_query(query_words)
+    for i in range(query.slot.rows):
+        slot, instance = np.int64(query.slot[i]), np.int64(query.instance[i])
+        if slot == _NONE:
+            continue
+        hit = Hit(query.distance[i], _ZERO, _ZERO, slot, instance)
+        if slot <= FIELD:
+            origin, direction = _row(query.origins, i), _row(query.directions, i)
+            normal = surface_of(scene.geometry, scene.surfaces, scene.fields, origin, direction, hit, scratch).normal
+        else:
+            normal = true_normal(
+                scene.geometry,
+                scene.surfaces,
+                hit,
+                item_of(scene.surfaces, instance, triangle_number(scene.geometry, slot)),
+            )
+        normals[i, 0], normals[i, 1], normals[i, 2] = normal.x, normal.y, normal.z

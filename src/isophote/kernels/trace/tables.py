@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from isophote.kernels.accel.field_layout import FIELDS
 from isophote.kernels.accel.geometry import GEOMETRY
 from isophote.kernels.accel.surface import SURFACES
 from isophote.kernels.base.table import DOUBLE_BOXES, FLOAT_ROWS, INT, LONG_ROWS, Table
@@ -16,6 +17,7 @@ SCENE = Table(
     "Scene",
     geometry=GEOMETRY,
     surfaces=SURFACES,
+    fields=FIELDS,
     materials=MATERIALS,
     textures=TEXTURES,
     lights=LIGHTS,

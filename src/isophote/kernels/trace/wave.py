@@ -47,13 +47,13 @@ LONG_COUNT = 3
 WAVE = table.Table("Wave", floats=table.FLOAT_ROWS, ints=table.WORD_ROWS, longs=table.LONG_ROWS, scratch=table.FLOATS)
 
 
-def new_wave(size: int) -> Packed:
-    """Scratch for waves of `size` paths; one for each thread."""
+def new_wave(size: int, scratch: int = SCRATCH_WORDS) -> Packed:
+    """Scratch for waves of `size` paths, with so many words for traversals; one for each thread."""
     return WAVE.pack(
         floats=np.zeros((FLOAT_COUNT, size), np.float32),
         ints=np.zeros((INT_COUNT, size), np.uint32),
         longs=np.zeros((LONG_COUNT, size), np.int64),
-        scratch=np.zeros(SCRATCH_WORDS, np.float32),
+        scratch=np.zeros(scratch, np.float32),
     )
 
 

@@ -1,0 +1,205 @@
+"""Trees of regions over a field's tape, built on all cores: what they are is told in kernels/accel/field_layout.py."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from isophote.kernels.accel.field_build import AMBIGUOUS, PARENT, split_regions
+from isophote.kernels.accel.field_layout import CHILDREN, FIRST_TAPE
+from isophote.kernels.forms.opcodes import INPUTS, ROW
+from isophote.kernels.forms.tape_interval import REGION_SLOT
+
+__all__ = ["FieldTree", "build_field_tree"]
+
+Ints: TypeAlias = npt.NDArray[np.int32]
+Floats: TypeAlias = npt.NDArray[np.float32]
+
+# A region is split while its tape is longer than this and the tree is not deeper than so many levels of nodes.
+_SHORT = 12
+_LEVELS = 3
+# Tapes that are still so long on the last level are split once more.
+_LONG = 96
+# Rows of tapes (32 bytes each) and nodes (512 bytes) that a tree may hold, and the rows that one job may write.
+_MOST_ROWS = 1 << 22
+_MOST_NODES = 1 << 17
+_JOB_ROWS = 1 << 18
+# Levels of the tree over which empty regions get tapes of their own: rays for shadows ask for values there.
+_EVERY_LEVELS = 2
+# What is proven of a region holds this far beyond it, in parts of the largest coordinate: more than the rounding of
+# positions and of the walk through the regions.
+_MARGIN = 2.0**-19
+
+
+class FieldTree(NamedTuple):
+    """`nodes` and `tapes` of one field, with `rows` (n, ROW); `tapes[0]` is the whole field's; `levels` of nodes."""
+
+    nodes: Ints
+    tapes: Ints
+    rows: Ints
+    levels: int
+
+
+class _Level(NamedTuple):
+    """Regions to be split: numbers of their tapes, and their places along the axes."""
+
+    tapes: Ints
+    places: Ints
+
+
+class _Split(NamedTuple):
+    """What a job found: states and tapes of children, with the tapes and their rows counted from 0."""
+
+    states: Ints
+    child_tapes: Ints
+    rows: Ints
+    tapes: Ints
+
+
+class _Store:
+    """Tapes as they are found."""
+
+    def __init__(self, rows: Ints) -> None:
+        self._chunks = [rows]
+        self._tables = [np.array([[0, len(rows)]], np.int32)]
+        self.rows, self.tapes = len(rows), 1
+
+    def add(self, rows: Ints, tapes: Ints) -> int:
+        """Keep tapes whose rows are counted from 0; the number of the first."""
+        first = self.tapes
+        self._chunks.append(rows)
+        self._tables.append(tapes + np.array([self.rows, 0], np.int32))
+        self.rows += len(rows)
+        self.tapes += len(tapes)
+        return first
+
+    def all_rows(self) -> Ints:
+        self._chunks = [np.concatenate(self._chunks)]
+        return self._chunks[0]
+
+    def all_tapes(self) -> Ints:
+        self._tables = [np.concatenate(self._tables)]
+        return self._tables[0]
+
+
+def build_field_tree(
+    rows: Ints, data: npt.NDArray[np.int64], low: Floats, side: float, threads: int | None = None
+) -> FieldTree:
+    """The tree over the cube from `low`, (3,) float32, of edge length `side`, for a tape's `rows` (n, ROW).
+
+    The tape's Lipschitz constants must hold in the cube and a little beyond. `data` are the words of its tables. The
+    same bits come out for any number of `threads`. It holds 2²² rows and 2¹⁷ nodes at most: where more would be needed,
+    regions stay larger and tapes longer.
+    """
+    store = _Store(rows)
+    reach = float(max(np.abs(low).max(), np.abs(low.astype(np.float64) + side).max()))
+    level = _Level(np.zeros(1, np.int32), np.zeros((1, 3), np.int32))
+    nodes: list[Ints] = []
+    first_node, depth = 0, 0
+    with ThreadPoolExecutor(threads or _processors()) as executor:
+        while len(level.tapes):
+            width = np.float32(side / 4 ** (depth + 1))
+            frame = (low, width, np.float32(_MARGIN * reach), depth < _EVERY_LEVELS)
+            codes, tapes = _split_level(executor, store, data, level, frame)
+            depth += 1
+            first_node += len(level.tapes)
+            chosen = _chosen(store, codes, tapes, depth, first_node)
+            following = _children(level, tapes, chosen)
+            node_codes = np.where(codes == AMBIGUOUS, FIRST_TAPE - tapes, codes)
+            node_codes[chosen] = first_node + np.arange(len(following.tapes))
+            nodes.append(np.concatenate([node_codes, tapes], axis=1).astype(np.int32))
+            level = following
+    return FieldTree(np.concatenate(nodes).reshape(-1), store.all_tapes(), store.all_rows(), depth)
+
+
+def _chosen(store: _Store, states: Ints, tapes: Ints, depth: int, nodes: int) -> npt.NDArray[np.bool_]:
+    """Which children are split in their turn, where the tree has so many nodes already."""
+    if depth > _LEVELS:
+        return np.zeros(states.shape, bool)
+    lengths = store.all_tapes()[tapes, 1]
+    wanted = (states == AMBIGUOUS) & (lengths > (_SHORT if depth < _LEVELS else _LONG))
+    chosen: npt.NDArray[np.bool_] = wanted & (nodes + np.cumsum(wanted).reshape(wanted.shape) <= _MOST_NODES)
+    return chosen
+
+
+def _children(level: _Level, tapes: Ints, chosen: npt.NDArray[np.bool_]) -> _Level:
+    parent, child = np.nonzero(chosen)
+    offset = np.stack([child & 3, (child >> 2) & 3, child >> 4], axis=1)
+    return _Level(tapes[chosen], (level.places[parent] * 4 + offset).astype(np.int32))
+
+
+def _split_level(
+    executor: ThreadPoolExecutor, store: _Store, data: npt.NDArray[np.int64], level: _Level, frame: tuple[Any, ...]
+) -> tuple[Ints, Ints]:
+    """States of all children of a level's regions, (n, 64), and the numbers of their tapes."""
+    rows = store.all_rows().reshape(-1)
+    tapes = np.ascontiguousarray(store.all_tapes()[level.tapes])
+
+    def split(job: tuple[int, int]) -> _Split:
+        return _split(rows, data, tapes, level.places, frame, *job)
+
+    states, numbers = [], []
+    for (first, last), found in zip(_jobs(tapes[:, 1]), executor.map(split, _jobs(tapes[:, 1])), strict=True):
+        own = np.broadcast_to(level.tapes[first:last, None], found.states.shape)
+        states.append(found.states)
+        if store.rows + len(found.rows) <= _MOST_ROWS:
+            base = np.int32(store.add(found.rows, found.tapes))
+            numbers.append(np.where(found.child_tapes == PARENT, own, found.child_tapes + base))
+        else:
+            numbers.append(own)
+    return np.concatenate(states), np.concatenate(numbers).astype(np.int32)
+
+
+def _jobs(lengths: Ints) -> Iterator[tuple[int, int]]:
+    """Runs of regions whose children cannot have more than so many rows; it does not depend on the threads."""
+    first, total = 0, 0
+    for i, length in enumerate(lengths.tolist()):
+        if i > first and total + CHILDREN * length > _JOB_ROWS:
+            yield first, i
+            first, total = i, 0
+        total += CHILDREN * length
+    yield first, len(lengths)
+
+
+def _split(
+    rows: Ints,
+    data: npt.NDArray[np.int64],
+    tapes: Ints,
+    places: Ints,
+    frame: tuple[Any, ...],
+    first: int,
+    last: int,
+) -> _Split:
+    count, longest = last - first, int(tapes[first:last, 1].max())
+    states, child_tapes = np.empty((count, CHILDREN), np.int32), np.empty((count, CHILDREN), np.int32)
+    out = np.empty(CHILDREN * int(tapes[first:last, 1].sum() + 1) * ROW, np.int32)
+    out_tapes = np.empty((CHILDREN * count, 2), np.int32)
+    slots = np.zeros((INPUTS + longest) * REGION_SLOT, np.float32)
+    marks, choices = np.zeros(INPUTS + longest, np.int32), np.zeros(longest + 1, np.int32)
+    written, found = split_regions(
+        rows,
+        data,
+        tapes[first:last],
+        places[first:last],
+        *frame,
+        0,
+        count,
+        states,
+        child_tapes,
+        out,
+        out_tapes,
+        slots,
+        choices,
+        marks,
+    )
+    return _Split(states, child_tapes, out[: written * ROW].reshape(-1, ROW).copy(), out_tapes[:found].copy())
+
+
+def _processors() -> int:
+    """Processors that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -1,0 +1,181 @@
+"""Fields in scenes into tapes, trees of regions and the tree over their boxes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from isophote.accel.field_tree import FieldTree, build_field_tree
+from isophote.accel.tree import build_boxes
+from isophote.errors import SceneError
+from isophote.kernels.accel import field_layout as layout
+from isophote.kernels.accel.field_layout import CHILDREN, FIELDS, FIRST_TAPE, NODE
+from isophote.kernels.accel.field_surface import field_surface
+from isophote.kernels.accel.field_trace import trace_field
+from isophote.kernels.accel.geometry import SCRATCH_WORDS
+from isophote.kernels.base.table import Packed
+from isophote.kernels.forms.field_data import pack_field_data
+from isophote.kernels.forms.tape_entries import pack_interpreters
+from isophote.scene.scene import placed_box
+from isophote.shapes.field.field import Field
+from isophote.shapes.field.tape import tape_of
+
+__all__ = ["HORIZON", "FieldPart", "endless", "lower_fields", "no_fields", "scratch_words"]
+
+Matrix: TypeAlias = npt.NDArray[np.float64]
+Ints: TypeAlias = npt.NDArray[np.int32]
+
+HORIZON = 1024.0
+"""How far endless fields reach, in sizes of what is finite in the scene together with the camera."""
+
+# The region of a field goes so far beyond its bounds, in parts of its longest edge: rays must enter it outside.
+_BEYOND = 2.0**-8
+# Steps that positions can tell apart, in parts of the largest coordinate.
+_LEAST_STEP = 2.0**-22
+# Extents beyond this leave no room for arithmetic in single precision.
+_LARGEST = 1e15
+
+
+class FieldPart(NamedTuple):
+    """An item that is a field: where it stands, its material's number, and its number for the user."""
+
+    field: Field
+    matrix: Matrix
+    material: int
+    public: int
+
+
+class _Lowered(NamedTuple):
+    """One field: its tree, its tables of data, its cube, what rays are clipped to, and its box in the world."""
+
+    tree: FieldTree
+    data: Packed
+    low: npt.NDArray[np.float32]
+    side: float
+    clip: Matrix
+    box: Matrix
+
+
+def endless(parts: Sequence[FieldPart]) -> bool:
+    """Whether any field has no finite bounds."""
+    return any(not np.isfinite(part.field.bounds).all() for part in parts)
+
+
+def scratch_words(fields: Packed) -> int:
+    """Words of scratch that rays through a scene with these fields need."""
+    longest = int(fields.arrays["longest"])
+    return SCRATCH_WORDS + (layout.field_scratch_words(longest) if len(fields.arrays["numbers"]) else 0)
+
+
+def no_fields() -> Packed:
+    """The table of a scene without fields: nothing is compiled for it."""
+    return _packed([], [], 0, (0, 0))
+
+
+def lower_fields(parts: Sequence[FieldPart], surface: int, around: Matrix, threads: int | None = None) -> Packed:
+    """The table of all fields; `surface` is the row of the first one's item among the surfaces.
+
+    `around`, (2, 3), holds what is finite in the scene and the camera: endless fields end HORIZON of its sizes away.
+    Raises `SceneError` where a field leaves the range of single precision.
+    """
+    lowered: dict[int, _Lowered] = {}
+    found: list[_Lowered] = []
+    for part in parts:
+        # Items of one field share its tree, unless it is cut where the scene ends.
+        shared = bool(np.isfinite(part.field.bounds).all())
+        key = id(part.field) if shared else -1 - len(found)
+        if key not in lowered:
+            lowered[key] = _lower(part, around, threads)
+        one = lowered[key]
+        found.append(one._replace(box=placed_box(one.clip, part.matrix)))
+    return _packed(parts, found, surface, (trace_field.address, field_surface.address))
+
+
+def _lower(part: FieldPart, around: Matrix, threads: int | None) -> _Lowered:
+    box = _finite_box(part, around)
+    edge = float((box[1] - box[0]).max())
+    if not (np.isfinite(box).all() and edge > 0 and np.abs(box).max() < _LARGEST):
+        raise SceneError(f"a field's region {box.tolist()} leaves no room for single precision; scale the scene")
+    clip = np.stack([box[0] - _BEYOND * edge, box[1] + _BEYOND * edge])
+    side = edge * (1 + 4 * _BEYOND)
+    low = ((clip[0] + clip[1]) / 2 - side / 2).astype(np.float32)
+    region = np.stack([low, low + side]) + np.array([[-_BEYOND], [_BEYOND]]) * edge
+    tape = tape_of(part.field.form, region)
+    data = pack_field_data(())
+    tree = build_field_tree(tape.rows, data.words, low, side, threads)
+    return _Lowered(tree, data, low, side, clip, clip)
+
+
+def _finite_box(part: FieldPart, around: Matrix) -> Matrix:
+    """Bounds of a field in its own space, cut at the horizon."""
+    bounds = np.asarray(part.field.bounds, np.float64)
+    if np.isfinite(bounds).all():
+        return bounds
+    reach = HORIZON * max(float((around[1] - around[0]).max()), 1e-3)
+    inverse = np.linalg.inv(part.matrix).astype(np.float64)
+    horizon = placed_box(around + np.array([[-reach], [reach]]), inverse)
+    return np.stack([np.maximum(bounds[0], horizon[0]), np.minimum(bounds[1], horizon[1])])
+
+
+def _packed(parts: Sequence[FieldPart], found: Sequence[_Lowered], surface: int, entries: tuple[int, int]) -> Packed:
+    """All fields in one table; fields that share a tree have it once."""
+    rows, tapes, nodes = [np.zeros(0, np.int32)], [np.zeros((0, 2), np.int32)], [np.zeros(0, np.int32)]
+    numbers, cubes = np.zeros((len(parts), 4), np.int32), np.zeros((len(parts), 12), np.float32)
+    starts: dict[int, tuple[int, int]] = {}
+    row, tape, node, longest = 0, 0, 0, 0
+    for k, (part, one) in enumerate(zip(parts, found, strict=True)):
+        tree = one.tree
+        if id(tree) not in starts:
+            starts[id(tree)] = node, tape
+            rows.append(tree.rows.reshape(-1))
+            tapes.append(tree.tapes + np.array([row, 0], np.int32))
+            nodes.append(_moved(tree.nodes, node, tape))
+            row, tape, node = row + len(tree.rows), tape + len(tree.tapes), node + len(tree.nodes) // NODE
+            longest = max(longest, int(tree.tapes[:, 1].max()))
+        first_node, first_tape = starts[id(tree)]
+        numbers[k] = first_node, tree.levels, first_tape, surface + k
+        reach = max(float(np.abs(one.low).max()), float(np.abs(one.low + one.side).max()))
+        stretch = float(np.abs(part.matrix[:3, :3]).sum(axis=1).max())
+        cubes[k] = *one.low, one.side, *one.clip[0], *one.clip[1], stretch, _LEAST_STEP * reach
+    boxes = np.array([one.box for one in found], np.float32).reshape(-1, 2, 3)
+    top = build_boxes(boxes[:, 0], boxes[:, 1]) if len(found) > 1 else None
+    data = _data(found)
+    packed = FIELDS.pack(
+        rows=np.concatenate(rows),
+        tapes=np.concatenate(tapes),
+        nodes=np.concatenate(nodes),
+        numbers=numbers,
+        cubes=cubes,
+        to_object=np.array([np.linalg.inv(part.matrix)[:3].reshape(-1) for part in parts]).reshape(-1, 12),
+        to_world=np.array([part.matrix[:3].reshape(-1) for part in parts], np.float64).reshape(-1, 12),
+        data=data,
+        top_nodes=top.nodes if top else np.zeros(0, np.float32),
+        top_items=top.blocks.astype(np.int32, copy=False) if top else np.zeros(0, np.int32),
+        trace=entries[0],
+        surface=entries[1],
+        longest=longest,
+        interpreters=pack_interpreters(bool(parts)),
+    )
+    # The words of `data` point at tables that must live as long.
+    return Packed(packed.words, packed.arrays | {"tables": tuple(one.data for one in found)})
+
+
+def _moved(nodes: Ints, node: int, tape: int) -> Ints:
+    """A tree's nodes behind others, so that its numbers go on from theirs."""
+    moved = nodes.reshape(-1, NODE).copy()
+    codes = moved[:, :CHILDREN]
+    codes[codes > 0] += node
+    codes[codes <= FIRST_TAPE] -= tape
+    moved[:, CHILDREN:] += tape
+    return moved.reshape(-1)
+
+
+def _data(found: Sequence[_Lowered]) -> npt.NDArray[np.int64]:
+    width = max((len(one.data.words) for one in found), default=1)
+    words = np.zeros((len(found), width), np.int64)
+    for row, one in zip(words, found, strict=True):
+        row[: len(one.data.words)] = one.data.words
+    return words
