@@ -82,6 +82,21 @@ def test_every_shell_is_turned_outward_by_itself() -> None:
     assert mass_properties(orient(shells)).volume == pytest.approx(1002)
 
 
+def test_cavities_look_inward() -> None:
+    # A hollow with a core in it, whose own hollow is empty, beside another solid.
+    shells = together(
+        cube(10.0), cube(8.0, (1, 1, 1)), cube(2.0, (4, 4, 4)), cube(1.0, (4.5, 4.5, 4.5)), cube(1.0, (20, 0, 0))
+    )
+    for mesh in (shells, turned(shells, 3, *range(6, 18), 29)):
+        assert mass_properties(orient(mesh)).volume == pytest.approx(1000 + 512 + 8 + 1 + 1)
+        hollow = orient(mesh, cavities=True)
+        assert mass_properties(hollow).volume == pytest.approx(1000 - 512 + 8 - 1 + 1)
+        assert orient(hollow, cavities=True) is hollow
+        assert topology(hollow).oriented
+    beside = together(cube(), cube(offset=(3, 0, 0)))
+    assert orient(beside, cavities=True) is beside
+
+
 def test_orientation_far_from_the_origin_and_at_any_scale() -> None:
     for scale, offset in ((1.0, 1e7), (1e-200, 0.0), (1e290, 0.0)):
         inward = turned(cube(), *range(6))

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from isophote.analysis.connectivity.sheets import Sheets, find_sheets, one_sided_cycle
-from isophote.analysis.connectivity.stars import Faces, as_mesh, gather, pick_sound_faces
+from isophote.analysis.connectivity.stars import Faces, Ints, Longs, as_mesh, gather, pick_sound_faces
 from isophote.convert.triangulate import triangulate
 from isophote.errors import GeometryError
 from isophote.shapes.mesh import Attribute, Mesh
@@ -18,11 +18,12 @@ Flags = npt.NDArray[np.bool_]
 _MOST_NAMED = 12
 
 
-def orient(mesh: Mesh) -> Mesh:
+def orient(mesh: Mesh, *, cavities: bool = False) -> Mesh:
     """The mesh with its faces turned so that neighbours run opposite ways along their edge, and solids look outward.
 
     Faces agree across edges of two faces; a part that these connect is turned as a whole. A closed part is turned so
-    that its signed volume is positive, each part by itself: of one shell inside another, both look outward. An
+    that its signed volume is positive, each part by itself: of one shell inside another, both look outward. With
+    `cavities` a closed part inside an odd number of others looks inward: it bounds a hollow of what is around it. An
     open part, and one without volume, keeps the side of most of its faces. A turned face keeps its first corner.
     Attributes and labels are kept, normals as they are. Faces that name a vertex twice stay as they are. The mesh
     itself comes back if nothing is to be turned.
@@ -33,7 +34,7 @@ def orient(mesh: Mesh) -> Mesh:
     sheets = find_sheets(faces, gather(faces))
     if len(sheets.conflicts):
         raise GeometryError(_one_sided(faces, sheets))
-    turn = _outward(mesh, faces, sheets)
+    turn = _outward(mesh, faces, sheets, cavities)
     if not turn.any():
         return mesh
     chosen = np.zeros(mesh.face_count, np.bool_)
@@ -65,7 +66,7 @@ def _one_sided(faces: Faces, sheets: Sheets) -> str:
     )
 
 
-def _outward(mesh: Mesh, faces: Faces, sheets: Sheets) -> Flags:
+def _outward(mesh: Mesh, faces: Faces, sheets: Sheets, cavities: bool) -> Flags:
     """(sound faces,) which faces are to be turned."""
     if faces.total == 0:
         return np.zeros(0, np.bool_)
@@ -76,15 +77,35 @@ def _outward(mesh: Mesh, faces: Faces, sheets: Sheets) -> Flags:
     volume = _volumes(mesh, faces, sheets) if closed.any() else np.zeros(sheets.total)
     by_volume = closed & (volume != 0)
     inside_out: Flags = np.where(by_volume, volume < 0, 2 * turned > whole)
+    if cavities:
+        solids = np.flatnonzero(by_volume)
+        inside_out[solids] ^= _hollows(mesh, faces, sheets, solids)
     return sheets.turn ^ inside_out[sheets.of_face]
+
+
+def _hollows(mesh: Mesh, faces: Faces, sheets: Sheets, solids: Longs) -> Flags:
+    """(solids,) which of these sheets bound a hollow."""
+    if len(solids) < 2:
+        return np.zeros(len(solids), np.bool_)
+    # Loaded here: trees for distances are needed by few.
+    from isophote.analysis.connectivity.nesting import lie_inside
+
+    triangles, sheet = _consistent_triangles(mesh, faces, sheets)
+    return lie_inside(mesh.vertices, triangles, sheet, solids)
+
+
+def _consistent_triangles(mesh: Mesh, faces: Faces, sheets: Sheets) -> tuple[Ints, Ints]:
+    """The triangles of the sound faces, turned so that those of a sheet agree, and the sheet of each."""
+    sound = as_mesh(mesh, faces)
+    assert sound is not None
+    triangles, face, _ = triangulate(sound)
+    agreeing = np.where(sheets.turn[face, None], triangles[:, ::-1], triangles)
+    return agreeing, sheets.of_face[face]
 
 
 def _volumes(mesh: Mesh, faces: Faces, sheets: Sheets) -> npt.NDArray[np.float64]:
     """(sheets,) signed volumes, in a unit of their own, of sheets whose faces were made to agree; any for open ones."""
-    sound = as_mesh(mesh, faces)
-    assert sound is not None
-    triangles, face, _ = triangulate(sound)
-    sheet = sheets.of_face[face]
+    triangles, sheet = _consistent_triangles(mesh, faces, sheets)
     # One vertex of each sheet is its origin, and a power of two brings all to about 1.
     origin = np.empty(sheets.total, np.int64)
     origin[sheet[::-1]] = triangles[::-1, 0]
@@ -92,4 +113,4 @@ def _volumes(mesh: Mesh, faces: Faces, sheets: Sheets) -> npt.NDArray[np.float64
     points = np.ldexp(mesh.vertices, -exponent)
     a, b, c = (points[triangles[:, k]] - points[origin[sheet]] for k in range(3))
     det = np.einsum("ti,ti->t", a, np.cross(b, c))
-    return np.bincount(sheet, np.where(sheets.turn[face], -det, det), sheets.total).astype(np.float64)
+    return np.bincount(sheet, det, sheets.total).astype(np.float64)

@@ -23,8 +23,8 @@ def weld(mesh: Mesh, tolerance: float) -> tuple[Edit, Longs]:
 
     Returns the edit, and the merged vertices with those that they went into, (k, 2).
     """
-    number = isinstance(tolerance, int | float | np.number) and not isinstance(tolerance, bool)
-    if not (number and math.isfinite(tolerance) and tolerance >= 0):
+    is_number = isinstance(tolerance, int | float | np.number) and not isinstance(tolerance, bool)
+    if not (is_number and math.isfinite(tolerance) and tolerance >= 0):
         raise GeometryError(f"weld must be None or a distance, finite and 0 or above, but is {tolerance!r}")
     leader = _same_place(mesh.vertices)
     if tolerance > 0:
