@@ -22,19 +22,21 @@ from isophote.shapes.field.functions import (
     clip,
     cos,
     length,
-    maximum,
-    minimum,
     rint,
     select,
     sin,
 )
+from isophote.shapes.field.joins import rounded
 from isophote.shapes.field.numbers import (
     Vector,
     any_number,
+    highest,
+    lowest,
     not_negative_number,
     positive_number,
     positive_vector,
     vector_of,
+    whole_number,
 )
 from isophote.shapes.field.outline import line_arcs, outline_data
 
@@ -80,17 +82,28 @@ class Rectangle(FlatForm):
     radius: float = not_negative_number(default=0.0)
 
     def __attrs_post_init__(self) -> None:
-        most = min(self.size) / 2
-        if self.radius > most:
+        most = min(map(lowest, self.size)) / 2
+        if highest(self.radius) > most:
             raise GeometryError(
                 f"rectangle: radius must not be above half of the shorter side, {most!r}, but is {self.radius!r}"
             )
 
+    @property
+    def is_square(self) -> bool:  # type: ignore[override]
+        return self.radius == 0
+
+    @property
+    def is_smooth(self) -> bool:  # type: ignore[override]
+        return self.radius == 0
+
     def expression(self, p: Point) -> Value:
-        radius = p.number(self.radius)
-        x, y = (absolute(c) - (p.number(s) * 0.5 - radius) for c, s in zip(p[:2], self.size, strict=True))
-        outside = length(maximum(x, 0.0), maximum(y, 0.0))
-        return p.bounded(outside + minimum(maximum(x, y), 0.0) - radius, 1.0)
+        return p.bounded(rounded(self._sides(p), p.number(self.radius)), 1.0)
+
+    def faces(self, p: Point) -> list[Value]:
+        return self._sides(p) if self.radius == 0 else [self.expression(p)]
+
+    def _sides(self, p: Point) -> list[Value]:
+        return [absolute(c) - p.number(s) * 0.5 for c, s in zip(p.coordinates, self.size, strict=False)]
 
     @property
     def bounds(self) -> Box:
@@ -98,7 +111,7 @@ class Rectangle(FlatForm):
         return np.stack([-half, half])
 
     def spelled(self) -> str:
-        size = number_spelled(self.size[0] if self.size[0] == self.size[1] else self.size)
+        size = number_spelled(self.size[0] if repr(self.size[0]) == repr(self.size[1]) else self.size)
         if self.radius == 0:
             return f"rectangle({size})"
         return f"rounded_rectangle({size}, {number_spelled(self.radius)})"
@@ -139,7 +152,8 @@ class Arc(FlatForm):
     end: float = any_number(default=math.tau)
 
     def __attrs_post_init__(self) -> None:
-        if not 0 < self.end - self.start <= math.tau * (1 + 1e-12):
+        least, most = lowest(self.end) - highest(self.start), highest(self.end) - lowest(self.start)
+        if not 0 < least <= most <= math.tau * (1 + 1e-12):
             raise GeometryError(
                 f"arc: end must be above start, by 2π at most, but they are {self.start!r} and {self.end!r}"
             )
@@ -148,7 +162,7 @@ class Arc(FlatForm):
         """In a frame whose x axis halves the arc, mirrored: the circle within the angle, the arc's end beyond it."""
         radius, half = p.number(self.radius), (p.number(self.end) - p.number(self.start)) * 0.5
         thick = p.number(self.thickness) * 0.5
-        if self.end - self.start >= math.tau:
+        if lowest(self.end) - highest(self.start) >= math.tau:
             return p.bounded(absolute(length(p.x, p.y) - radius) - thick, 1.0)
         middle = (p.number(self.end) + p.number(self.start)) * 0.5
         c, s = cos(middle), sin(middle)
@@ -175,18 +189,13 @@ class Arc(FlatForm):
 class Star(FlatForm):
     """A star with `points` tips at `radius`, the first up, and as many notches at `inner`."""
 
-    points: int = attrs.field()
+    points: int = whole_number(2, 10_000)
     radius: float = positive_number()
     inner: float = positive_number()
 
-    @points.validator
-    def _check(self, attribute: Any, value: Any) -> None:
-        if isinstance(value, bool) or not isinstance(value, int | np.integer) or not 2 <= value <= 10_000:
-            raise GeometryError(f"star: points must be a whole number from 2 to 10000, but is {value!r}")
-
     def __attrs_post_init__(self) -> None:
-        if self.inner > self.radius:
-            raise GeometryError(f"star: inner must not be above radius, {self.radius}, but is {self.inner}")
+        if highest(self.inner) > lowest(self.radius):
+            raise GeometryError(f"star: inner must not be above radius, {self.radius!r}, but is {self.inner!r}")
 
     def expression(self, p: Point) -> Value:
         """All sectors are brought upon the one about +y, and its halves upon each other; there the outline is one

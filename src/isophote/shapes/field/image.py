@@ -14,7 +14,7 @@ from isophote.errors import FileError, GeometryError
 from isophote.shapes.field.data import GridData
 from isophote.shapes.field.expression import Point, Value
 from isophote.shapes.field.flat import FlatForm
-from isophote.shapes.field.form import Box, Exactness, number_spelled
+from isophote.shapes.field.form import Box, Exactness, grown, number_spelled
 from isophote.shapes.field.numbers import positive_number
 
 __all__ = ["Picture", "picture_of", "read_mask"]
@@ -76,7 +76,7 @@ def _checked_array(image: npt.ArrayLike) -> npt.NDArray[Any]:
     return array
 
 
-def _distances(mask: Mask, pixel: float) -> GridData:
+def _distances(mask: Mask) -> GridData:
     """Distances to the outline of the pixels that are True, at their corners, middles and the middles of their sides.
 
     On this lattice of half pixels they are exact: whatever point of the outline is nearest to a point of the lattice
@@ -102,10 +102,9 @@ def _distances(mask: Mask, pixel: float) -> GridData:
     inside[1::2, 2:-1:2] = wide[:, 1:] & wide[:, :-1]
     inside[2:-1:2, 1::2] = wide[1:, :] & wide[:-1, :]
     inside[2:-1:2, 2:-1:2] = wide[1:, 1:] & wide[1:, :-1] & wide[:-1, 1:] & wide[:-1, :-1]
-    distance = distance_transform_edt(~lattice) * (pixel / 2)
+    distance = distance_transform_edt(~lattice) / 2
     values = np.where(inside, -distance, distance)[::-1]
-    low = (-width * pixel / 2, -height * pixel / 2)
-    return GridData(values, low, pixel / 2)
+    return GridData(values, (-width / 2, -height / 2), 0.5)
 
 
 @attrs.frozen(repr=False)
@@ -129,8 +128,8 @@ class Picture(FlatForm):
 
     @cached_property
     def data(self) -> GridData:
-        """Signed distances on the lattice of half pixels."""
-        return _distances(self._inside, float(self.pixel))
+        """Signed distances on the lattice of half pixels, of pixels with sides 1."""
+        return _distances(self._inside)
 
     @property
     def _inside(self) -> Mask:
@@ -139,7 +138,9 @@ class Picture(FlatForm):
         return bits.reshape(height, width).astype(bool)
 
     def expression(self, p: Point) -> Value:
-        return p.bounded(p.graph.apply("GRID2", p.x, p.y, constant=self.data), self.data.slope)
+        pixel = p.number(self.pixel)
+        value = p.graph.apply("GRID2", p.x / pixel, p.y / pixel, constant=self.data) * pixel
+        return p.bounded(value, self.data.slope)
 
     @property
     def bounds(self) -> Box:
@@ -149,6 +150,11 @@ class Picture(FlatForm):
         low = (columns[0] - width / 2, height / 2 - rows[-1] - 1)
         high = (columns[-1] + 1 - width / 2, height / 2 - rows[0])
         return np.array([low, high]) * float(self.pixel)
+
+    def bounds_at(self, level: float) -> Box:
+        # Beyond the picture a value is the length of that on its border and the distance to it, whose sum is no more
+        # than √2 of that; values within it are off by so much of a pixel.
+        return self.bounds if level <= 0 else grown(self.bounds, np.sqrt(2) * level + np.sqrt(2) / 4 * self.pixel)
 
     def spelled(self) -> str:
         pixel = f", pixel={number_spelled(self.pixel)}" if self.pixel != 1 else ""

@@ -6,22 +6,14 @@ import attrs
 import numpy as np
 
 from isophote.errors import GeometryError
-from isophote.shapes.field.expression import Graph, Point, Value
+from isophote.shapes.field.expression import Point, Value
 from isophote.shapes.field.form import Box, Exactness, Form, number_spelled
-from isophote.shapes.field.functions import absolute, length, maximum, minimum
+from isophote.shapes.field.functions import absolute, length
+from isophote.shapes.field.joins import corner
 from isophote.shapes.field.numbers import any_number, positive_number
+from isophote.shapes.field.slope import own_slope
 
-__all__ = ["Extrude", "Revolve", "own_slope"]
-
-
-def own_slope(form: Form, p: Point) -> float:
-    """A Lipschitz constant of a form in its own space, where `p` may be; infinite where none is known."""
-    if form.exactness is Exactness.EXACT:
-        return 1.0
-    low, high = np.array([[float(end) for end in interval] for interval in p.intervals()]).T
-    graph = Graph(np.stack([low, high]))
-    value = form.expression(graph.point)
-    return graph.lipschitz()[value.id]
+__all__ = ["Extrude", "Revolve"]
 
 
 @attrs.frozen(repr=False)
@@ -43,17 +35,37 @@ class Extrude(Form):
     def exactness(self) -> Exactness:  # type: ignore[override]
         return self.form.exactness
 
+    @property
+    def is_tight(self) -> bool:  # type: ignore[override]
+        return self.form.is_tight
+
+    @property
+    def is_square(self) -> bool:  # type: ignore[override]
+        """Walls stand upright on the lids; among themselves they must meet so too."""
+        one_wall = type(self.form).faces is Form.faces and self.form.exactness is Exactness.EXACT
+        return one_wall or self.form.is_square
+
+    @property
+    def is_smooth(self) -> bool:  # type: ignore[override]
+        return self.form.is_smooth
+
     def expression(self, p: Point) -> Value:
-        f = self.form.expression(p)
-        w = absolute(p.z) - p.number(self.height) * 0.5
-        outside = length(maximum(f, 0.0), maximum(w, 0.0))
-        value = outside + minimum(maximum(f, w), 0.0)
+        value = corner([self.form.expression(p), self._lids(p)])
         return p.bounded(value, max(own_slope(self.form, p), 1.0))
+
+    def faces(self, p: Point) -> list[Value]:
+        return [*self.form.faces(p), self._lids(p)]
+
+    def _lids(self, p: Point) -> Value:
+        return absolute(p.z) - p.number(self.height) * 0.5
 
     @property
     def bounds(self) -> Box:
-        half = self.height / 2
-        return np.column_stack([self.form.bounds, [-half, half]])
+        return self.bounds_at(0.0)
+
+    def bounds_at(self, level: float) -> Box:
+        half = self.height / 2 + max(level, 0.0)
+        return np.column_stack([self.form.bounds_at(level), [-half, half]])
 
     def spelled(self) -> str:
         return f"{self.form.spelled()}.extrude({number_spelled(self.height)})"
@@ -89,8 +101,15 @@ class Revolve(Form):
         return p.bounded(self.form.expression(q), own_slope(self.form, q))
 
     @property
+    def is_tight(self) -> bool:  # type: ignore[override]
+        return self.form.is_tight
+
+    @property
     def bounds(self) -> Box:
-        (_, low), (right, high) = self.form.bounds
+        return self.bounds_at(0.0)
+
+    def bounds_at(self, level: float) -> Box:
+        (_, low), (right, high) = self.form.bounds_at(level)
         reach = right + self.offset
         return np.array([[-reach, low, -reach], [reach, high, reach]])
 

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from isophote.shapes.field.data import MeshData
 from isophote.shapes.field.expression import Point, Value
-from isophote.shapes.field.form import Box, Exactness, Form
+from isophote.shapes.field.form import Box, Exactness, Form, grown
 from isophote.shapes.mesh import Mesh
 
 __all__ = ["MeshForm"]
@@ -44,6 +44,10 @@ class MeshForm(Form):
     @property
     def bounds(self) -> Box:
         return self.mesh.bounds
+
+    def bounds_at(self, level: float) -> Box:
+        # Values are distances to the faces, whatever their sign.
+        return grown(self.bounds, max(level, 0.0))
 
     def spelled(self) -> str:
         return f"distance_field({self.mesh!r})"

@@ -12,10 +12,11 @@ import numpy.typing as npt
 
 from isophote.errors import GeometryError
 from isophote.shapes.field.expression import Point, Value
-from isophote.shapes.field.form import Box, Exactness, Form, number_spelled
+from isophote.shapes.field.form import Box, Exactness, Form, grown, number_spelled
 from isophote.shapes.field.functions import absolute, length, maximum, minimum
-from isophote.shapes.field.lift import own_slope
+from isophote.shapes.field.joins import least
 from isophote.shapes.field.numbers import Vector
+from isophote.shapes.field.slope import own_slope
 
 __all__ = ["Sweep", "sampled_path"]
 
@@ -138,76 +139,88 @@ class Sweep(Form):
     @cached_property
     def _corners(self) -> Floats:
         """(n, 2, 4, 3): for each piece, at its start and its end, the corners of the form's box on the plane there."""
-        frame, (low, high) = self._frame, self.form.bounds
+        count = len(self.path) - 1
+        return np.stack([[self._on_plane(k, k + end, self.form.bounds, 0.0) for end in (0, 1)] for k in range(count)])
+
+    def _on_plane(self, k: int, plane: int, box: Box, height: float) -> Floats:
+        """(4, 3): where the corners of a box of piece k are, drawn out to a height above a plane."""
+        frame, (low, high) = self._frame, box
         flat = np.array([(low[0], low[1]), (low[0], high[1]), (high[0], low[1]), (high[0], high[1])])
-        ends = np.stack([frame.start, np.array(self.path[1:])], axis=1)
-        planes = np.stack([frame.planes[:-1], frame.planes[1:]], axis=1)
-        across = flat[:, 0, None] * frame.x[:, None] + flat[:, 1, None] * frame.y[:, None]
-        slant = np.einsum("nci,nei->nec", across, planes) / np.einsum("ni,nei->ne", frame.along, planes)[..., None]
-        corners: Floats = ends[:, :, None] + across[:, None] - slant[..., None] * frame.along[:, None, None]
+        across = flat @ np.stack([frame.x[k], frame.y[k]])
+        normal = frame.planes[plane]
+        along: Floats = (height - across @ normal) / (frame.along[k] @ normal)
+        corners: Floats = np.array(self.path[plane]) + across + along[:, None] * frame.along[k]
         return corners
+
+    @cached_property
+    def _spans(self) -> Floats:
+        """(n, 2): from where to where along each piece its corners lie, measured from its start."""
+        along = np.einsum("neci,ni->nec", self._corners - self._frame.start[:, None, None], self._frame.along)
+        return np.stack([along.min(axis=(1, 2)), along.max(axis=(1, 2))], axis=1)
+
+    @cached_property
+    def _bends(self) -> dict[int, tuple[float, float]]:
+        """By the number of a plane between two pieces: how far from it the prisms of both are clear of their other
+        planes, and the sine of half the turn; without planes that leave no room."""
+        frame, bends = self._frame, {}
+        for k in range(0 if self.path[0] == self.path[-1] else 1, len(self.path) - 1):
+            plane, point = frame.planes[k], frame.start[k]
+            before, after = (self._corners[k - 1, 0] - point) @ plane, (self._corners[k, 1] - point) @ plane
+            room = float(min(-before.max(), after.min()))
+            if room > 0:
+                bends[k] = room, float(np.linalg.norm(np.cross(frame.along[k], plane)))
+        return bends
 
     def expression(self, p: Point) -> Value:
         frame, path = self._frame, np.array(self.path)
         count = len(path) - 1
-        slope = max(own_slope(self.form, p.moved(p.x, p.y, 0.0)), 1.0)
         heights = [_height(p, path[k], frame.planes[k]) for k in range(count + 1)]
-        prisms = [self._prism(p, k) for k in range(count)]
+        prisms, slopes = zip(*(self._prism(p, k) for k in range(count)), strict=True)
         pieces = [
-            maximum(self._piece(p, k, prisms[k], slope), maximum(-heights[k], heights[k + 1])) for k in range(count)
+            maximum(self._piece(p, k, prisms[k], slopes[k]), maximum(-heights[k], heights[k + 1])) for k in range(count)
         ]
-        for k in range(0 if self.path[0] == self.path[-1] else 1, count):
-            room = self._room(k)
-            if room > 0:
-                both = maximum(prisms[k - 1], prisms[k])
-                pieces.append(self._bend(p, k, both, absolute(heights[k]) - room, slope))
-        return _least(pieces)
+        for k, (room, sine) in self._bends.items():
+            both, beyond = maximum(prisms[k - 1], prisms[k]), absolute(heights[k]) - room
+            pieces.append(_bend(p, both, beyond, sine, max(slopes[k - 1], slopes[k])))
+        return least(pieces)
 
-    def _prism(self, p: Point, k: int) -> Value:
-        """The form's value on piece k, drawn out endlessly both ways."""
+    def _prism(self, p: Point, k: int) -> tuple[Value, float]:
+        """The form's value on piece k, drawn out endlessly both ways, and a Lipschitz constant, 1 or more."""
         frame = self._frame
         x, y = (_height(p, frame.start[k], axis[k]) for axis in (frame.x, frame.y))
-        return self.form.expression(p.moved(x, y, 0.0))
+        q = p.moved(x, y, 0.0)
+        return self.form.expression(q), max(own_slope(self.form, q), 1.0)
 
     def _piece(self, p: Point, k: int, prism: Value, slope: float) -> Value:
         """Piece k between upright ends that leave room for its slanting ones: farther off a better bound than they."""
-        start, along = self._frame.start[k], self._frame.along[k]
-        ends = (self._corners[k].reshape(-1, 3) - start) @ along
-        middle, half = float(ends.max() + ends.min()) / 2, float(ends.max() - ends.min()) / 2
-        beyond = absolute(_height(p, start + middle * along, along)) - half
+        start, along, (low, high) = self._frame.start[k], self._frame.along[k], self._spans[k]
+        beyond = absolute(_height(p, start + (low + high) / 2 * along, along)) - float(high - low) / 2
         return p.bounded(_both(prism, beyond), slope)
-
-    def _bend(self, p: Point, k: int, both: Value, beyond: Value, slope: float) -> Value:
-        """What is in the prisms before and after plane k, near that plane.
-
-        The slopes a of the prisms and b of the height above the plane meet at a cosine of c at most, the sine of half
-        the turn; so the length of the two has the slope √(a² + b² + 2abc) ≤ √(1 + c), which is divided out.
-        """
-        frame = self._frame
-        cosine = float(np.linalg.norm(np.cross(frame.along[k], frame.planes[k])))
-        return p.bounded(_both(both, beyond, 1 / np.sqrt(1 + cosine)), slope)
-
-    def _room(self, k: int) -> float:
-        """How far from the plane before piece k the two prisms there are clear of their other planes."""
-        before, after = self._corners[k - 1, 0], self._corners[k, 1]
-        plane, point = self._frame.planes[k], self._frame.start[k]
-        return float(min(-((before - point) @ plane).max(), ((after - point) @ plane).min()))
 
     @property
     def bounds(self) -> Box:
-        corners = self._corners.reshape(-1, 3)
-        return np.stack([corners.min(axis=0), corners.max(axis=0)])
+        return _box_of(self._corners)
+
+    def bounds_at(self, level: float) -> Box:
+        if level <= 0 or self.form.exactness is not Exactness.EXACT:
+            return super().bounds_at(level)
+        frame, (low, high) = self._frame, self.form.bounds
+        flat = np.array([(low[0], low[1]), (low[0], high[1]), (high[0], low[1]), (high[0], high[1])])
+        across = flat[:, 0, None] * frame.x[:, None] + flat[:, 1, None] * frame.y[:, None]
+        upright = (frame.start[:, None] + self._spans[..., None] * frame.along[:, None])[:, :, None] + across[:, None]
+        boxes = [grown(_box_of(upright), level)]
+        for k, (room, sine) in self._bends.items():
+            reach = level * np.sqrt(1 + sine)
+            box = grown(self.form.bounds, reach)
+            both = [
+                _box_of(np.stack([self._on_plane(piece, k, box, height) for height in (-room - reach, room + reach)]))
+                for piece in (k - 1, k)
+            ]
+            boxes.append(np.stack([np.maximum(both[0][0], both[1][0]), np.minimum(both[0][1], both[1][1])]))
+        return _box_of(np.stack(boxes))
 
     def spelled(self) -> str:
         return f"{self.form.spelled()}.sweep({number_spelled(self.path)})"
-
-
-def _least(values: list[Value]) -> Value:
-    """The least of all, in pairs and pairs of pairs."""
-    while len(values) > 1:
-        pairs = [minimum(a, b) for a, b in zip(values[::2], values[1::2], strict=False)]
-        values = pairs + values[len(pairs) * 2 :]
-    return values[0]
 
 
 def _height(p: Point, origin: Floats, normal: Floats) -> Value:
@@ -219,3 +232,17 @@ def _height(p: Point, origin: Floats, normal: Floats) -> Value:
 def _both(a: Value, b: Value, part: float = 1.0) -> Value:
     """What is below zero where both are; outside their length, times `part`."""
     return length(maximum(a, 0.0), maximum(b, 0.0)) * float(part) + minimum(maximum(a, b), 0.0)
+
+
+def _bend(p: Point, both: Value, beyond: Value, sine: float, slope: float) -> Value:
+    """What is in the prisms before and after a plane, and near it.
+
+    The slopes a of the prisms and b of the height above the plane meet at a cosine of no more than the sine of half the
+    turn, s; so the length of the two has the slope √(a² + b² + 2abs) ≤ √(1 + s), which is divided out.
+    """
+    return p.bounded(_both(both, beyond, 1 / np.sqrt(1 + sine)), slope)
+
+
+def _box_of(points: Floats) -> Box:
+    flat = points.reshape(-1, 3)
+    return np.stack([flat.min(axis=0), flat.max(axis=0)])
