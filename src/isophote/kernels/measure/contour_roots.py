@@ -6,7 +6,7 @@ import numpy as np
 
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.linked import call_linked
-from isophote.kernels.base.simd import absolute, bits, load16, select, splat16, square_root, store16
+from isophote.kernels.base.simd import absolute, bits, load16, maximum, minimum, select, splat16, square_root, store16
 from isophote.kernels.forms.opcodes import INPUTS
 from isophote.kernels.forms.tape_gradient import GRADIENT_SLOT
 from isophote.kernels.measure.contour_tables import BLOCK, BLOCK_SAMPLES, CROSSING, POINTS, WIDTH
@@ -21,6 +21,8 @@ _STARTS, _STEPS, _TA, _FA, _TB, _FB, _LAST, _T, _RANGE = 0, 3, 6, 7, 8, 9, 10, 1
 _MOST_STEPS = 12
 # A value this small, relative to the difference along the edge, is left to the last step of Newton's.
 _SMALL = np.float32(1e-5)
+# Gradients are taken this far inside, in cells: right on the surface, where arms meet, there may be none.
+_INWARD = np.float32(2.0**-10)
 _ZERO, _HALF, _ONE, _TINY = np.float32(0), np.float32(0.5), np.float32(1), np.float32(1e-30)
 
 
@@ -98,6 +100,16 @@ def _bracket_roots(grid, work, count, padded):
 
 
 @device
+def _inward(roots, j):
+    """Move the places along the edges a little towards their inner ends."""
+    zero, one, inward = splat16(_ZERO), splat16(_ONE), splat16(_INWARD)
+    t = _row(roots, _T, j)
+    moved = select(_row(roots, _FA, j) < zero, maximum(t - inward, zero), minimum(t + inward, one))
+    store16(roots, _T * _BATCH + j, moved)
+    return moved
+
+
+@device
 def _finish(work, j, result):
     """A last step of Newton's; the place along the edges into the batch, unit normals (or 0) over the gradients."""
     roots, slots = work.roots, work.slots
@@ -106,8 +118,9 @@ def _finish(work, j, result):
     slope = gx * _row(roots, _STEPS, j) + gy * _row(roots, _STEPS + 1, j) + gz * _row(roots, _STEPS + 2, j)
     t = _row(roots, _T, j)
     better = t - f / slope
+    chord = _secant(roots, j)
     fits = (better >= _row(roots, _TA, j)) & (better <= _row(roots, _TB, j))
-    store16(roots, _T * _BATCH + j, select(fits, better, t))
+    store16(roots, _T * _BATCH + j, select(fits, better, chord))
     square = gx * gx + gy * gy + gz * gz
     # Neither a vanishing gradient nor an endless one has a direction.
     known = (square > splat16(_TINY)) & (square < splat16(_ONE / _TINY))
@@ -133,7 +146,7 @@ def _write_crossing(work, crossing, t, x0, y0, z0):
 def _write_normals(grid, work, count, begin, size, j):
     """Gradients at sixteen crossings of a batch, the last step to their places, and their normals."""
     result = (INPUTS - 1 + count) * GRADIENT_SLOT
-    t = _row(work.roots, _T, j)
+    t = _inward(work.roots, j)
     for axis in range(INPUTS):
         store16(work.slots, axis * GRADIENT_SLOT, _place(work.roots, axis, j, t))
     call_linked(grid.run_gradients, work.leaf_run, np.int64(0), count, np.int64(0))

@@ -4,7 +4,9 @@ A point x is sought for planes n_i · (x − p_i) = 0, near their middle m: A x 
 g = Σ n_i (n_i · (p_i − m)), x relative to m. A is taken apart into eigenvalues and eigenvectors by Jacobi's rotations;
 what belongs to eigenvalues far below the largest is left out, so that x stays near m along a flat surface or a straight
 edge (Lindstrom, "Out-of-core simplification of large polygonal models", 2000). A point outside its box comes back into
-it along the edge that it lies on, or else as a point of the plane, or else as m.
+it along the edge that it lies on, or else as a point of the plane, or else as m. But an edge or a corner of a surface
+may poke out of a cell, across a face or an edge of it, into one of which no corner is inside: so points a cell away
+from the box are taken too, if they are clearly better.
 """
 
 from __future__ import annotations
@@ -23,8 +25,9 @@ QEF_WORDS = 288
 
 # Eigenvalues below this part of the largest are left out: normals that differ by less than some five degrees.
 _CUT = np.float32(2e-3)
-# How far outside its box, in cells, a point may lie by rounding.
-_SLACK = np.float32(1e-4)
+# How far outside its box, in cells, a point may lie by rounding; and if that makes the mean square distance from the
+# planes smaller by `_GAIN` square cells or more.
+_SLACK, _MARGIN, _GAIN = np.float32(1e-4), np.float32(1), np.float32(1e-4)
 _ZERO, _HALF, _ONE = np.float32(0), np.float32(0.5), np.float32(1)
 _SWEEPS = 4
 
@@ -52,8 +55,8 @@ def _order(l0, x0, y0, z0, c0, l1, x1, y1, z1, c1):
 
 
 @device
-def _inside(work, x, y, z):
-    slack = splat16(_SLACK)
+def _inside(work, x, y, z, slack):
+    slack = splat16(slack)
     low = (x >= load16(work, BOX_LOW) - slack) & (y >= load16(work, BOX_LOW + 16) - slack)
     low = low & (z >= load16(work, BOX_LOW + 32) - slack)
     high = (x <= load16(work, BOX_HIGH) + slack) & (y <= load16(work, BOX_HIGH + 16) + slack)
@@ -61,11 +64,41 @@ def _inside(work, x, y, z):
 
 
 @device
-def _span(work, axis, x, slope, first, last):
+def _span(work, axis, x, slope, slack, first, last):
     """The part of a line's parameters from `first` to `last` where x + s slope lies within the box."""
-    p = (load16(work, BOX_LOW + 16 * axis) - x) / slope
-    q = (load16(work, BOX_HIGH + 16 * axis) - x) / slope
+    p = (load16(work, BOX_LOW + 16 * axis) - splat16(slack) - x) / slope
+    q = (load16(work, BOX_HIGH + 16 * axis) + splat16(slack) - x) / slope
     return maximum(minimum(p, q), first), minimum(maximum(p, q), last)
+
+
+@device
+def _slide(work, x, y, z, u, v, w, slack):
+    """A point brought into the box along (u, v, w), if that line meets it."""
+    first, last = splat16(-np.float32(np.inf)), splat16(np.float32(np.inf))
+    first, last = _span(work, np.int64(0), x, u, slack, first, last)
+    first, last = _span(work, np.int64(1), y, v, slack, first, last)
+    first, last = _span(work, np.int64(2), z, w, slack, first, last)
+    s = maximum(minimum(splat16(_ZERO), last), first)
+    return x + s * u, y + s * v, z + s * w
+
+
+@device
+def _error(work, x, y, z):
+    """x A x − 2 g x: the sum of the square distances of the planes, less that at the middle."""
+    xx, xy, xz = load16(work, 0), load16(work, 16), load16(work, 32)
+    yy, yz, zz = load16(work, 48), load16(work, 64), load16(work, 80)
+    p, q, r = load16(work, RIGHT), load16(work, RIGHT + 16), load16(work, RIGHT + 32)
+    a, b, c = xx * x + xy * y + xz * z, xy * x + yy * y + yz * z, xz * x + yz * y + zz * z
+    return x * (a - p - p) + y * (b - q - q) + z * (c - r - r)
+
+
+@device
+def _better(work, x, y, z, a, b, c):
+    """The point (a, b, c) where it lies in its box, or near it and clearly better than (x, y, z); else the latter."""
+    planes = load16(work, 0) + load16(work, 48) + load16(work, 80)
+    clearly = _error(work, a, b, c) + planes * splat16(_GAIN) < _error(work, x, y, z)
+    take = _inside(work, a, b, c, _SLACK) | (_inside(work, a, b, c, _MARGIN) & clearly)
+    return select(take, a, x), select(take, b, y), select(take, c, z)
 
 
 @device
@@ -108,15 +141,12 @@ def solve_qefs(work):
     px, py, pz = c0 * x0, c0 * y0, c0 * z0
     ex, ey, ez = px + c1 * x1, py + c1 * y1, pz + c1 * z1
     vx, vy, vz = ex + c2 * x2, ey + c2 * y2, ez + c2 * z2
-    first, last = splat16(-np.float32(np.inf)), splat16(np.float32(np.inf))
-    first, last = _span(work, np.int64(0), ex, x2, first, last)
-    first, last = _span(work, np.int64(1), ey, y2, first, last)
-    first, last = _span(work, np.int64(2), ez, z2, first, last)
-    s = maximum(minimum(zero, last), first)
-    ex, ey, ez = ex + s * x2, ey + s * y2, ez + s * z2
-    plane, edge, corner = _inside(work, px, py, pz), _inside(work, ex, ey, ez), _inside(work, vx, vy, vz)
+    plane = _inside(work, px, py, pz, _SLACK)
     x, y, z = select(plane, px, zero), select(plane, py, zero), select(plane, pz, zero)
-    x, y, z = select(edge, ex, x), select(edge, ey, y), select(edge, ez, z)
-    store16(work, SOLUTION, select(corner, vx, x))
-    store16(work, SOLUTION + 16, select(corner, vy, y))
-    store16(work, SOLUTION + 32, select(corner, vz, z))
+    for slack in (_SLACK, _MARGIN):
+        p, q, r = _slide(work, ex, ey, ez, x2, y2, z2, slack)
+        x, y, z = _better(work, x, y, z, p, q, r)
+    x, y, z = _better(work, x, y, z, vx, vy, vz)
+    store16(work, SOLUTION, x)
+    store16(work, SOLUTION + 16, y)
+    store16(work, SOLUTION + 32, z)
