@@ -13,7 +13,14 @@ from isophote.analysis.curvature.fit import principal_curvatures
 from isophote.errors import GeometryError
 from isophote.shapes.mesh import Mesh
 
-__all__ = ["CurvatureTotals", "angle_deficit", "curvature_totals", "gaussian_curvature", "mean_curvature"]
+__all__ = [
+    "CurvatureTotals",
+    "angle_deficit",
+    "curvature_totals",
+    "gaussian_curvature",
+    "half_edge_pairs",
+    "mean_curvature",
+]
 
 Floats: TypeAlias = npt.NDArray[np.float64]
 
@@ -98,7 +105,7 @@ def curvature_totals(mesh: Mesh) -> CurvatureTotals:
     inside = float(deficit[~fan.on_boundary].sum())
     boundary = float(deficit[fan.on_boundary].sum())
     used = int((np.diff(fan.starts) > 0).sum())
-    pairs, single = _edges(fan)
+    pairs, single = half_edge_pairs(fan)
     euler = used - len(pairs) - single + len(fan.triangles)
     t = fan.positions[fan.triangles]
     normals = np.cross(t[:, 1] - t[:, 0], t[:, 2] - t[:, 0])
@@ -107,7 +114,7 @@ def curvature_totals(mesh: Mesh) -> CurvatureTotals:
     return CurvatureTotals(inside, boundary, mean, area, euler, inside + boundary - 2 * np.pi * euler)
 
 
-def _edges(fan: Fans) -> tuple[npt.NDArray[np.int64], int]:
+def half_edge_pairs(fan: Fans) -> tuple[npt.NDArray[np.int64], int]:
     """Half-edges 3f + i of each edge with two triangles, (k, 2), and how many other edges there are."""
     t = fan.triangles.astype(np.int64)
     ends = np.stack([t, np.roll(t, -1, axis=1)], axis=2).reshape(-1, 2)
