@@ -22,6 +22,7 @@ _HOME = {
     "FaceLabels": "shapes.mesh",
     "Field": "shapes.field.field",
     "Field2": "shapes.field.field2",
+    "FieldPlot": "rendering.field_plot",
     "FileError": "errors",
     "GeometryError": "errors",
     "Glass": "scene.material",
@@ -87,9 +88,9 @@ _HOME = {
     "to_glsl": "convert.glsl",
     "torus": "shapes.field.rounds",
     "to_mesh": "convert.contour",
-    "to_mesh": "convert.contour",
     "triangulate": "convert.triangulate",
     "union": "shapes.field.operations",
+    "waves": "shapes.field.patterns",
 }
 
 __all__ = ["__version__", "analysis", *sorted(_HOME)]
