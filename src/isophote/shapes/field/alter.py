@@ -2,23 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import attrs
 import numpy as np
 
 from isophote.errors import GeometryError
-from isophote.shapes.field.expression import Point, Value
+from isophote.shapes.field.expression import Graph, Point, Value
 from isophote.shapes.field.form import Box, Exactness, Form, grown, number_spelled
 from isophote.shapes.field.functions import maximum, minimum
 from isophote.shapes.field.numbers import Vector, any_number, not_negative_vector, positive_number
 from isophote.shapes.field.place import Placed
 
-__all__ = ["Elongate", "Finished", "Offset", "Shell"]
+__all__ = ["Altered", "Elongate", "Finished", "Offset", "Shell"]
 
 
 @attrs.frozen(repr=False)
-class _Altered(Form):
+class Altered(Form):
     """One form whose value is changed, not its point."""
 
     form: Form
@@ -40,7 +38,7 @@ class _Altered(Form):
 
 
 @attrs.frozen(repr=False)
-class Offset(_Altered):
+class Offset(Altered):
     """A form whose surface is moved outwards by `distance`, inwards where it is negative: f − distance.
 
     Outwards from an exact field, the values outside stay exact, and convex edges become round.
@@ -67,7 +65,7 @@ class Offset(_Altered):
 
 
 @attrs.frozen(repr=False)
-class Shell(_Altered):
+class Shell(Altered):
     """The surface of a form, made `thickness` thick, half of it on either side: |f| − thickness / 2."""
 
     thickness: float = positive_number()
@@ -83,7 +81,7 @@ class Shell(_Altered):
 
 
 @attrs.frozen(repr=False)
-class Finished(_Altered):
+class Finished(Altered):
     """A form with its edges rounded or chamfered, without growing.
 
     Faces f, g, … whose largest is the form's value inside meet in its edges. Rounded by r: |max(f + r, 0)| +
@@ -100,10 +98,11 @@ class Finished(_Altered):
             raise GeometryError(
                 f"round: radius must not be above half of the least extent, {most:g}, but is {self.size!r}"
             )
+        # Raises where edges are not known.
+        self.expression(Graph().point)
 
     @property
-    def title(self) -> str:  # type: ignore[override]
-        """What messages call the form."""
+    def name(self) -> str:
         return self.style
 
     @property
@@ -143,7 +142,7 @@ class Elongate(Placed):
     def exactness(self) -> Exactness:  # type: ignore[override]
         return min(self.form.exactness, Exactness.BOUND)
 
-    def within(self, p: Point, ask: Callable[[Form, Point], Value]) -> Value:
+    def inside(self, p: Point) -> Point:
         parts = p.coordinates
         for axis, size in enumerate(self.length):
             if size > 0:
@@ -151,7 +150,7 @@ class Elongate(Placed):
                 # c − clip(c, ±half), written so that intervals stay narrow.
                 c = parts[axis]
                 parts[axis] = p.bounded(maximum(c - half, 0.0) + minimum(c + half, 0.0), 1.0)
-        return ask(self.form, p.moved(parts[0], parts[1], parts[2]))
+        return p.moved(parts[0], parts[1], parts[2])
 
     @property
     def is_tight(self) -> bool:  # type: ignore[override]

@@ -287,6 +287,8 @@ class Point(NamedTuple):
     def moved(self, x: Number, y: Number, z: Number, stretch: float = 1.0) -> Point:
         """Another point, made from this one by a map with the Lipschitz constant `stretch`."""
         a, b, c = (v if isinstance(v, Value) else self.number(v) for v in (x, y, z))
+        for coordinate in (a, b, c):
+            self.bounded(coordinate, stretch)
         return Point(a, b, c, self.stretch * stretch)
 
     def intervals(self) -> Sequence[Interval]:

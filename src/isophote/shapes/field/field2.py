@@ -16,6 +16,7 @@ from isophote.shapes.field.image import picture_of
 from isophote.shapes.field.lift import Extrude, Revolve
 from isophote.shapes.field.operations import Operations
 from isophote.shapes.field.place import Turn
+from isophote.shapes.field.repeat import RepeatAround
 from isophote.shapes.field.sweep import Sweep, sampled_path
 from isophote.shapes.field.text import Text
 
@@ -33,6 +34,10 @@ class Field2(Operations):
     def rotate(self, angle: float) -> Self:
         """Turned by `angle` radians about the origin, anticlockwise."""
         return self._with(Turn(self.form, angle))
+
+    def repeat_around(self, count: int) -> Self:
+        """`count` copies about the origin, evenly round, the first where this is."""
+        return self._with(RepeatAround(self.form, "z", count))
 
     def extrude(self, height: float) -> Field:
         """The solid that is drawn out along z, by half of `height` both ways; a distance where this one is."""

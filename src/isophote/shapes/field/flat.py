@@ -63,6 +63,8 @@ class Circle(FlatForm):
 
     radius: float = positive_number()
 
+    is_edgeless = True
+
     def expression(self, p: Point) -> Value:
         return p.bounded(length(p.x, p.y) - p.number(self.radius), 1.0)
 
@@ -125,6 +127,8 @@ class Segment(FlatForm):
     end: Vector = vector_of(2)
     radius: float = positive_number()
 
+    is_edgeless = True
+
     def __attrs_post_init__(self) -> None:
         if self.start == self.end:
             raise GeometryError(f"segment: start and end are both {self.start}; use a circle for a dot")
@@ -150,6 +154,8 @@ class Arc(FlatForm):
     thickness: float = positive_number()
     start: float = any_number(default=0.0)
     end: float = any_number(default=math.tau)
+
+    is_edgeless = True
 
     def __attrs_post_init__(self) -> None:
         least, most = lowest(self.end) - highest(self.start), highest(self.end) - lowest(self.start)

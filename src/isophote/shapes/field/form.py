@@ -11,6 +11,7 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
+from isophote.errors import GeometryError
 from isophote.shapes.field.expression import Point, Value
 from isophote.shapes.field.functions import maximum
 from isophote.shapes.field.joins import STYLES
@@ -50,6 +51,8 @@ class Form:
     is_square: bool = False
     # Whether, besides, no face has an edge of its own, so that rounded edges leave distances exact.
     is_smooth: bool = False
+    # Whether there are no edges to round.
+    is_edgeless: bool = False
     # What messages call the form; its class's name where empty.
     title: ClassVar[str] = ""
 
@@ -69,8 +72,16 @@ class Form:
         return grown(self.bounds, level if self.exactness is Exactness.EXACT else np.inf)
 
     def faces(self, p: Point) -> list[Value]:
-        """Values whose largest is the form's inside it: faces that meet in edges. One, where there are no edges."""
-        return [self.expression(p)]
+        """Values whose largest is the form's inside it: faces that meet in edges. One, where there are no edges.
+
+        Raises `GeometryError` where the edges are not known.
+        """
+        if self.is_edgeless:
+            return [self.expression(p)]
+        raise GeometryError(
+            f"round and chamfer: the edges of {self.name} are not known; finish what it is made of first, "
+            "or take offset, which rounds edges by growing"
+        )
 
     def finished(self, p: Point, style: str, size: Value) -> Value:
         """The form with its edges finished in a style of joins.py by `size`; nowhere below the form's own value."""
@@ -96,6 +107,11 @@ class Form:
                 yield value
             elif isinstance(value, tuple):
                 yield from (each for each in value if isinstance(each, Form))
+
+    @property
+    def name(self) -> str:
+        """What messages call the form."""
+        return self.title or type(self).__name__.lower()
 
     @cached_property
     def depth(self) -> int:

@@ -20,7 +20,6 @@ __all__ = [
     "axis_of",
     "highest",
     "lowest",
-    "name_of",
     "not_negative_number",
     "not_negative_vector",
     "number_above",
@@ -62,13 +61,8 @@ def _spread(value: Any) -> Any:
     return _as_number(value) if np.ndim(value) == 0 else _as_vector(value)
 
 
-def name_of(instance: Any) -> str:
-    """What messages call a form."""
-    return getattr(instance, "title", "") or type(instance).__name__.lower()
-
-
 def _refuse(instance: Any, attribute: attrs.Attribute[Any], wanted: str, value: Any) -> GeometryError:
-    return GeometryError(f"{name_of(instance)}: {attribute.name} must be {wanted}, but is {value!r}")
+    return GeometryError(f"{instance.name}: {attribute.name} must be {wanted}, but is {value!r}")
 
 
 def _checked(wanted: str, holds: Callable[[Any], bool]) -> Callable[[Any, attrs.Attribute[Any], Any], None]:

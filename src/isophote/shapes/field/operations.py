@@ -15,9 +15,11 @@ from isophote.errors import GeometryError
 from isophote.shapes.field import evaluate
 from isophote.shapes.field.alter import Elongate, Finished, Offset, Shell
 from isophote.shapes.field.combine import Difference, Intersection, Union, combined
+from isophote.shapes.field.deform import Displace
 from isophote.shapes.field.form import Box, Exactness, Form
 from isophote.shapes.field.intervals import tight_bounds
 from isophote.shapes.field.place import Affine, Mirror, Scale, Translate
+from isophote.shapes.field.repeat import Repeat
 from isophote.shapes.field.tape import written
 
 __all__ = ["Operations", "difference", "intersection", "union"]
@@ -152,6 +154,23 @@ class Operations:
         Exact where all directions are scaled alike, otherwise a bound.
         """
         return self._with(Affine(self.form, matrix))
+
+    def repeat(self, spacing: Any, count: Any = None) -> Self:
+        """Copies `spacing` apart along each axis, where it is above 0: endlessly many, or `count`, about the place.
+
+        `spacing` has a number for each axis. `count` is one for each axis, None among them for endless, or one for all
+        along which there is a spacing. Copies may overlap; neighbours of a point's cell are looked at, so that a
+        distance stays one where copies are apart. Raises `GeometryError` for fields that are endless along the row.
+        """
+        if isinstance(count, int | np.integer) and np.ndim(spacing) == 1:
+            count = tuple(count if step != 0 else 1 for step in spacing)
+        return self._with(Repeat(self.form, spacing, count))
+
+    def displace(self, by: Operations, amplitude: float) -> Self:
+        """The surface moved outwards by `amplitude` times the value of another field, which is held within ±1."""
+        if not isinstance(by, Operations):
+            raise GeometryError(f"displace: it takes a field, such as iso.waves(0.3), but was given {by!r}")
+        return self._with(Displace(self.form, by.form, amplitude))
 
     def __repr__(self) -> str:
         return self.form.spelled()

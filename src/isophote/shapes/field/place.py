@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any, TypeAlias
 
 import attrs
@@ -38,13 +38,17 @@ _ALIKE = 1e-12
 
 @attrs.frozen(repr=False)
 class Placed(Form):
-    """One form in another place. `within` asks the form at the point in its own space."""
+    """One form in another place."""
 
     form: Form
 
-    def within(self, p: Point, ask: Callable[[Form, Point], Value]) -> Value:
-        """The answer of the form at the point brought into its space, as a length in this one."""
+    def inside(self, p: Point) -> Point:
+        """The point brought into the form's space."""
         raise NotImplementedError
+
+    def unit(self, p: Point) -> Number:
+        """What lengths in the form's space count here, at least."""
+        return 1.0
 
     @property
     def dimension(self) -> int:  # type: ignore[override]
@@ -63,14 +67,21 @@ class Placed(Form):
         return self.form.is_square
 
     @property
+    def is_edgeless(self) -> bool:  # type: ignore[override]
+        return self.form.is_edgeless
+
+    @property
     def is_smooth(self) -> bool:  # type: ignore[override]
         return self.form.is_smooth
 
     def expression(self, p: Point) -> Value:
-        return self.within(p, lambda form, q: form.expression(q))
+        return self.form.expression(self.inside(p)) * self.unit(p)
+
+    def faces(self, p: Point) -> list[Value]:
+        return [face * self.unit(p) for face in self.form.faces(self.inside(p))]
 
     def finished(self, p: Point, style: str, size: Value) -> Value:
-        return self.within(p, lambda form, q: form.finished(q, style, size))
+        return self.form.finished(self.inside(p), style, size / self.unit(p)) * self.unit(p)
 
     @property
     def bounds(self) -> Box:
@@ -101,8 +112,8 @@ class Translate(Placed):
 
     offset: Vector = any_vector()
 
-    def within(self, p: Point, ask: Callable[[Form, Point], Value]) -> Value:
-        return ask(self.form, _moved(p, [c - p.number(o) for c, o in zip(p.coordinates, self.offset, strict=False)]))
+    def inside(self, p: Point) -> Point:
+        return _moved(p, [c - p.number(o) for c, o in zip(p.coordinates, self.offset, strict=False)])
 
     def bounds_at(self, level: float) -> Box:
         box: Box = self.form.bounds_at(level) + np.array(self.offset)
@@ -132,9 +143,9 @@ class Rotate(Placed):
         outer = [[a * b for b in (x, y, z)] for a in (x, y, z)]
         return [[c * (float(i == j) - outer[i][j]) + s * cross[i][j] + outer[i][j] for j in range(3)] for i in range(3)]
 
-    def within(self, p: Point, ask: Callable[[Form, Point], Value]) -> Value:
+    def inside(self, p: Point) -> Point:
         angle = p.number(self.angle)
-        return ask(self.form, _moved(p, _applied(self._rows(cos(angle), -sin(angle)), p.coordinates)))
+        return _moved(p, _applied(self._rows(cos(angle), -sin(angle)), p.coordinates))
 
     def bounds_at(self, level: float) -> Box:
         return turned_box(np.array(self._rows(math.cos(self.angle), math.sin(self.angle))), self.form.bounds_at(level))
@@ -156,9 +167,9 @@ class Turn(Placed):
     def is_tight(self) -> bool:  # type: ignore[override]
         return False
 
-    def within(self, p: Point, ask: Callable[[Form, Point], Value]) -> Value:
+    def inside(self, p: Point) -> Point:
         c, s = cos(p.number(self.angle)), sin(p.number(self.angle))
-        return ask(self.form, _moved(p, _applied([[c, s], [-s, c]], p[:2])))
+        return _moved(p, _applied([[c, s], [-s, c]], p[:2]))
 
     def bounds_at(self, level: float) -> Box:
         c, s = math.cos(self.angle), math.sin(self.angle)
@@ -191,8 +202,8 @@ class Along(Placed):
         cross = np.array([[0, x, 0], [-x, 0, -z], [0, z, 0]])
         return np.asarray(np.eye(3) + cross + cross @ cross / (1 + y))
 
-    def within(self, p: Point, ask: Callable[[Form, Point], Value]) -> Value:
-        return ask(self.form, _moved(p, _applied(self._matrix().T.tolist(), p.coordinates)))
+    def inside(self, p: Point) -> Point:
+        return _moved(p, _applied(self._matrix().T.tolist(), p.coordinates))
 
     def bounds_at(self, level: float) -> Box:
         return turned_box(self._matrix(), self.form.bounds_at(level))
@@ -219,8 +230,8 @@ class Mirror(Placed):
         normal = np.array(unit_axis(self.axis, self.dimension))
         return np.asarray(np.eye(self.dimension) - 2 * np.outer(normal, normal))
 
-    def within(self, p: Point, ask: Callable[[Form, Point], Value]) -> Value:
-        return ask(self.form, _moved(p, _applied(self._matrix().tolist(), p.coordinates[: self.dimension])))
+    def inside(self, p: Point) -> Point:
+        return _moved(p, _applied(self._matrix().tolist(), p.coordinates[: self.dimension]))
 
     def bounds_at(self, level: float) -> Box:
         return turned_box(self._matrix(), self.form.bounds_at(level))
@@ -254,19 +265,12 @@ class Scale(Placed):
     def is_square(self) -> bool:  # type: ignore[override]
         return self.form.is_square and len(set(self._factors())) == 1
 
-    def _least(self, p: Point) -> Value:
-        return p.number(min(self._factors(), key=lowest))
-
-    def _inside(self, p: Point) -> Point:
+    def inside(self, p: Point) -> Point:
         parts = [c / p.number(f) for c, f in zip(p.coordinates, self._factors(), strict=False)]
         return _moved(p, parts, 1 / min(map(lowest, self._factors())))
 
-    def within(self, p: Point, ask: Callable[[Form, Point], Value]) -> Value:
-        return ask(self.form, self._inside(p)) * self._least(p)
-
-    def finished(self, p: Point, style: str, size: Value) -> Value:
-        least = self._least(p)
-        return self.form.finished(self._inside(p), style, size / least) * least
+    def unit(self, p: Point) -> Number:
+        return p.number(min(self._factors(), key=lowest))
 
     def bounds_at(self, level: float) -> Box:
         factors = np.array(self._factors())
@@ -329,19 +333,14 @@ class Affine(Placed):
     def is_square(self) -> bool:  # type: ignore[override]
         return self.form.is_square and self._is_similar()
 
-    def _inside(self, p: Point) -> Point:
+    def inside(self, p: Point) -> Point:
         inverse = np.linalg.inv(np.array(self.matrix))
         parts = _applied(inverse[:-1, :-1].tolist(), p.coordinates[: self.dimension])
-        return _moved(
-            p, [c + o for c, o in zip(parts, inverse[:-1, -1].tolist(), strict=True)], 1 / self._singular_values()[-1]
-        )
+        offset = inverse[:-1, -1].tolist()
+        return _moved(p, [c + o for c, o in zip(parts, offset, strict=True)], 1 / self._singular_values()[-1])
 
-    def within(self, p: Point, ask: Callable[[Form, Point], Value]) -> Value:
-        return ask(self.form, self._inside(p)) * float(self._singular_values()[-1])
-
-    def finished(self, p: Point, style: str, size: Value) -> Value:
-        least = float(self._singular_values()[-1])
-        return self.form.finished(self._inside(p), style, size / least) * least
+    def unit(self, p: Point) -> Number:
+        return float(self._singular_values()[-1])
 
     def bounds_at(self, level: float) -> Box:
         matrix = np.array(self.matrix)

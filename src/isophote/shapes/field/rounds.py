@@ -83,6 +83,8 @@ class RoundedCone(Form):
 
     title = "rounded_cone"
 
+    is_edgeless = True
+
     def __attrs_post_init__(self) -> None:
         least = 2 * max(self.radius, self.top)
         if self.height <= least:
@@ -113,6 +115,8 @@ class Capsule(Form):
 
     radius: float = positive_number()
     height: float = positive_number()
+
+    is_edgeless = True
 
     def __attrs_post_init__(self) -> None:
         if self.height < 2 * self.radius:
@@ -186,6 +190,8 @@ class Torus(Form):
     radius: float = positive_number()
     tube: float = positive_number()
 
+    is_edgeless = True
+
     @property
     def exactness(self) -> Exactness:  # type: ignore[override]
         return Exactness.EXACT if self.tube <= self.radius else Exactness.BOUND
@@ -218,6 +224,8 @@ class CappedTorus(Form):
     angle: float = positive_number()
 
     title = "capped_torus"
+
+    is_edgeless = True
 
     def __attrs_post_init__(self) -> None:
         if self.angle > math.tau:
@@ -256,6 +264,8 @@ class Link(Form):
     radius: float = positive_number()
     tube: float = positive_number()
     height: float = positive_number()
+
+    is_edgeless = True
 
     def __attrs_post_init__(self) -> None:
         least = 2 * (self.radius + self.tube)

@@ -67,6 +67,8 @@ class Sphere(Form):
 
     radius: float = positive_number()
 
+    is_edgeless = True
+
     def expression(self, p: Point) -> Value:
         return p.bounded(length(p.x, p.y, p.z) - p.number(self.radius), 1.0)
 
@@ -89,6 +91,8 @@ class Ellipsoid(Form):
 
     radii: Vector = positive_vector(3)
     exactness = Exactness.BOUND
+
+    is_edgeless = True
 
     def expression(self, p: Point) -> Value:
         radii = [p.number(r) for r in self.radii]
@@ -145,6 +149,8 @@ class RoundedBox(Form):
     radius: float = not_negative_number()
 
     title = "rounded_box"
+
+    is_edgeless = True
 
     def __attrs_post_init__(self) -> None:
         most = min(self.size) / 2
@@ -211,6 +217,8 @@ class Plane(Form):
     normal: Axis = axis_of(default="y")
     height: float = any_number(default=0.0)
 
+    is_edgeless = True
+
     def expression(self, p: Point) -> Value:
         parts = [c * n for c, n in zip(p.coordinates, unit_axis(self.normal), strict=True)]
         return p.bounded(parts[0] + parts[1] + parts[2] - p.number(self.height), 1.0)
@@ -235,6 +243,8 @@ class Slab(Form):
     """All between two planes across y, `thickness` apart: |y| − thickness / 2."""
 
     thickness: float = positive_number()
+
+    is_edgeless = True
 
     def expression(self, p: Point) -> Value:
         return p.bounded(absolute(p.y) - p.number(self.thickness) * 0.5, 1.0)
