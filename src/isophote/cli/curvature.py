@@ -93,7 +93,7 @@ def _spread(values: npt.NDArray[np.float64]) -> dict[str, Any]:
 def _draw(
     mesh: Mesh, values: npt.NDArray[np.float64], limit: float | None, output: Path, size: tuple[int, int]
 ) -> None:
-    from isophote.analysis.coloured import coloured
+    from isophote.analysis.colouring import coloured
     from isophote.cli.progress import progress
     from isophote.rendering.render import render
 

@@ -83,7 +83,8 @@ def _divide(order: _Order, edges: IntArray, begin: int, end: int) -> _Part:
     ranges, cuts = _ranges(order.cuts, begin, end)
     largest_first = sorted(ranges, key=lambda part: part[0] - part[1])
     jobs = [(order, edges, *part) for part in largest_first]
-    parts = dict(zip([part[0] for part in largest_first], run(_triangulate, jobs), strict=True))
+    starts = [part[0] for part in largest_first]
+    parts: dict[int, _Part] = dict(zip(starts, run(_triangulate, jobs), strict=True))
     for cut in reversed(cuts):
         a, b = parts[cut.begin], parts[cut.at]
         rank = int(order.cuts[cut.at])
