@@ -255,8 +255,8 @@ class _Measured:
             where = "inside" if len(outside) == 0 else "outside"
             box = f"{_spelled(self.box[0])} to {_spelled(self.box[1])}"
             raise GeometryError(
-                f"field_report: all of {len(self.points):,} points in {box} lie {where}, so there is no surface to measure to; "
-                "give other bounds=, or more samples="
+                f"field_report: all of {len(self.points):,} points in {box} lie {where}, so there is no surface to "
+                "measure to; give other bounds=, or more samples="
             )
         count = len(self.points)
         a = inside[self.random.integers(len(inside), size=count)]
