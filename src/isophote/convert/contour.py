@@ -8,7 +8,8 @@ from typing import Literal, TypeAlias, get_args
 import numpy.typing as npt
 
 from isophote.convert.contour_grid import corner_text, grid_over, region_of
-from isophote.convert.contour_run import MEMORY, Options, Triangles, contoured
+from isophote.convert.contour_join import Triangles
+from isophote.convert.contour_run import MEMORY, Options, contoured
 from isophote.convert.contour_tolerance import within_tolerance
 from isophote.errors import GeometryError
 from isophote.progress import ProgressLike, reporter

@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
-from itertools import pairwise
-from typing import Any, NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from isophote.convert.contour_grid import Grid, corner_text
+from isophote.convert.contour_join import LEAST_HEIGHT, Chunk, Longs, Spread, Triangles, join, taken
 from isophote.convert.contour_scratch import new_output, new_work, pack_contour
 from isophote.errors import GeometryError
 from isophote.kernels.base.table import Packed
-from isophote.kernels.measure import contour_brick, contour_cases, contour_faces, contour_regions
+from isophote.kernels.measure import contour_brick, contour_regions
 from isophote.kernels.measure.contour_tables import BRICK
 from isophote.progress import Reporter
 from isophote.shapes.field.evaluate import packed_data
@@ -25,8 +25,6 @@ from isophote.shapes.field.tape import tape_of
 
 __all__ = ["MEMORY", "Options", "Triangles", "contoured"]
 
-Longs: TypeAlias = npt.NDArray[np.int64]
-_Run: TypeAlias = Callable[[Callable[..., Any], Iterable[tuple[Any, ...]]], Iterator[Any]]
 
 # Bytes that a mesh may take while it is made, unless the caller says otherwise.
 MEMORY = 4e9
@@ -39,30 +37,11 @@ _CHUNK = 4
 _ROOM = 16384
 
 
-class Triangles(NamedTuple):
-    """`vertices` (n, 3) float64, and `triangles` (m, 3) int32, anticlockwise from outside."""
-
-    vertices: npt.NDArray[np.float64]
-    triangles: npt.NDArray[np.int32]
-
-
 class _Field(NamedTuple):
     """A tape's rows, and the tables that they read."""
 
     rows: npt.NDArray[np.int32]
     data: Packed
-
-
-class _Chunk(NamedTuple):
-    """What some bricks put out; `ends` has a row for each brick: cells, components, vertices so far, owned edges."""
-
-    codes: npt.NDArray[np.int32]
-    cases: npt.NDArray[np.int32]
-    firsts: npt.NDArray[np.int32]
-    crossings: npt.NDArray[np.float32]
-    vertex_of: npt.NDArray[np.int32]
-    vertices: npt.NDArray[np.float64]
-    ends: npt.NDArray[np.int32]
 
 
 class Options(NamedTuple):
@@ -83,8 +62,8 @@ def contoured(shape: Field, grid: Grid, reach: float, options: Options, report: 
     with _crew(options.threads) as spread:
         bricks = _find_bricks(contour, grid, field, spread)
         _check_memory(grid, len(bricks), options.memory)
-        chunks = _contour(contour, grid, bricks, field, spread, report)
-        return _join(grid, bricks, chunks, spread, report)
+        chunks = _contour(_Worker(contour, grid, bricks, field), bricks, spread, report)
+        return join(chunks, bricks, grid, max(cells, LEAST_HEIGHT), spread, report)
 
 
 def _check_memory(grid: Grid, bricks: int, memory: float) -> None:
@@ -97,7 +76,7 @@ def _check_memory(grid: Grid, bricks: int, memory: float) -> None:
 
 
 @contextmanager
-def _crew(threads: int | None) -> Iterator[_Run]:
+def _crew(threads: int | None) -> Iterator[Spread]:
     """A function that calls another for each tuple of arguments and gives the results in their order."""
     if threads is None:
         threads = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
@@ -108,7 +87,7 @@ def _crew(threads: int | None) -> Iterator[_Run]:
         yield lambda function, jobs: pool.map(lambda job: function(*job), jobs)
 
 
-def _find_bricks(contour: Packed, grid: Grid, field: _Field, spread: _Run) -> Longs:
+def _find_bricks(contour: Packed, grid: Grid, field: _Field, spread: Spread) -> Longs:
     """The numbers of the bricks that the surface may cross, in order."""
     groups = int(np.prod([-(-n // contour_regions.GROUP) for n in grid.cells]))
 
@@ -128,7 +107,7 @@ class _Worker:
         self._contour, self._grid, self._bricks, self._field = contour, grid, bricks, field
         self._free: list[tuple[Packed, Packed]] = []
 
-    def __call__(self, first: int, last: int) -> list[_Chunk]:
+    def __call__(self, first: int, last: int) -> list[Chunk]:
         room = self._free.pop() if self._free else self._new(_ROOM)
         chunks = []
         while first < last:
@@ -137,7 +116,7 @@ class _Worker:
                 self._contour.words, work.words, output.words, self._bricks, first, last
             )
             if done:
-                chunks.append(_taken(output, done))
+                chunks.append(taken(output, done))
                 first += done
             elif status == contour_brick.NO_ROOM:
                 room = self._new(2 * len(output.arrays["codes"]))
@@ -147,7 +126,7 @@ class _Worker:
         return chunks
 
     def _new(self, size: int) -> tuple[Packed, Packed]:
-        return new_work(*self._field, size), new_output(size, size, _CHUNK)
+        return new_work(*self._field, size), new_output(size, 4 * size, _CHUNK)
 
     def _refuse(self, status: int, brick: int) -> None:
         grid = self._grid
@@ -160,83 +139,12 @@ class _Worker:
         raise GeometryError(f"the field reaches beyond its bounds {where}; give larger bounds=")
 
 
-def _taken(output: Packed, bricks: int) -> _Chunk:
-    """Copies of what was put out."""
-    arrays = output.arrays
-    ends = arrays["ends"][:bricks].copy()
-    cells, components, vertices, _ = ends[-1].tolist()
-    return _Chunk(
-        arrays["codes"][:cells].copy(),
-        arrays["cases"][:cells].copy(),
-        arrays["firsts"][:cells].copy(),
-        arrays["crossings"][: 3 * cells].copy(),
-        arrays["vertex_of"][:components].copy(),
-        arrays["vertices"][:vertices].copy(),
-        ends,
-    )
-
-
-def _contour(contour: Packed, grid: Grid, bricks: Longs, field: _Field, spread: _Run, report: Reporter) -> list[_Chunk]:
-    worker = _Worker(contour, grid, bricks, field)
+def _contour(worker: _Worker, bricks: Longs, spread: Spread, report: Reporter) -> list[Chunk]:
     spans = ((first, min(first + _CHUNK, len(bricks))) for first in range(0, len(bricks), _CHUNK))
-    chunks: list[_Chunk] = []
+    chunks: list[Chunk] = []
     done = 0
     for parts in spread(worker, spans):
         chunks += parts
         done += sum(len(part.ends) for part in parts)
         report("contouring", done / len(bricks))
     return chunks
-
-
-def _starts(counts: npt.NDArray[Any]) -> Longs:
-    return np.concatenate([np.zeros(1, np.int64), np.cumsum(counts, dtype=np.int64)])
-
-
-def _join(grid: Grid, bricks: Longs, chunks: list[_Chunk], spread: _Run, report: Reporter) -> Triangles:
-    """Number the cells, components and vertices of all bricks, and write the faces between them."""
-    if not chunks:
-        return Triangles(np.zeros((0, 3)), np.zeros((0, 3), np.int32))
-    components = _starts(np.array([len(chunk.vertex_of) for chunk in chunks]))
-    vertices = _starts(np.array([len(chunk.vertices) for chunk in chunks]))
-    cells = np.concatenate([np.diff(chunk.ends[:, 0], prepend=0) for chunk in chunks])
-    edges = np.concatenate([chunk.ends[:, 3] for chunk in chunks])
-    places = np.concatenate([chunk.vertices for chunk in chunks])
-    slots = np.full(int(np.prod(grid.bricks)), -1, np.int32)
-    slots[bricks] = np.arange(len(bricks))
-    tables = contour_faces.FACES.pack(
-        bricks=bricks,
-        slots=slots,
-        starts=_starts(cells),
-        across=grid.bricks[0],
-        along=grid.bricks[1],
-        codes=np.concatenate([chunk.codes for chunk in chunks]),
-        cases=np.concatenate([chunk.cases for chunk in chunks]),
-        firsts=np.concatenate([c.firsts + np.int32(n) for c, n in zip(chunks, components, strict=False)]),
-        words=contour_cases.CASES,
-        crossings=np.concatenate([chunk.crossings for chunk in chunks]),
-        vertex_of=np.concatenate([c.vertex_of + np.int32(n) for c, n in zip(chunks, vertices, strict=False)]),
-        vertices=places,
-        present=np.zeros((len(bricks), BRICK**3 // 32), np.int32),
-        ranks=np.zeros((len(bricks), BRICK**3 // 32), np.int32),
-    )
-    triangles = _faces(tables, edges, spread, report)
-    return Triangles(places * grid.cell + grid.low, triangles)
-
-
-def _faces(tables: Packed, edges: npt.NDArray[Any], spread: _Run, report: Reporter) -> npt.NDArray[np.int32]:
-    count = len(edges)
-    spans = list(pairwise([*range(0, count, 16), count]))
-    list(spread(contour_faces.index_bricks, ((tables.words, *span) for span in spans)))
-
-    def write(first: int, last: int) -> npt.NDArray[np.int32]:
-        out = np.empty((2 * int(edges[first:last].sum()), 3), np.int32)
-        written = 0
-        for brick in range(first, last):
-            written += contour_faces.write_faces(tables.words, brick, out[written:])
-        return out[:written]
-
-    parts = []
-    for number, part in enumerate(spread(write, spans)):
-        parts.append(part)
-        report("joining", (number + 1) / len(spans))
-    return np.concatenate(parts)

@@ -98,7 +98,8 @@ def new_work(rows: Any, data: Packed, components: int) -> Packed:
         next_list=ints(components),
         members=ints(16 * 32),
         labels=ints(64),
-        vertex_of=ints(clusters),
+        numbers=ints(clusters),
+        levels=np.zeros(clusters, np.uint8),
     )
     return Packed(packed.words, packed.arrays | {"runs": tuple(runs)})
 
@@ -110,7 +111,9 @@ def new_output(cells: int, components: int, bricks: int) -> Packed:
         cases=np.zeros(cells, np.int32),
         firsts=np.zeros(cells, np.int32),
         crossings=np.zeros(3 * cells, np.float32),
-        vertex_of=np.zeros(components, np.int32),
-        vertices=np.zeros((components, 3)),
-        ends=np.zeros((bricks, 4), np.int32),
+        normals=np.zeros(3 * cells, np.int32),
+        parents=np.zeros(components, np.int32),
+        levels=np.zeros(components, np.uint8),
+        places=np.zeros((components, 3)),
+        ends=np.zeros((bricks, 3), np.int32),
     )

@@ -9,7 +9,8 @@ import numpy.typing as npt
 
 from isophote.accel.mesh_distance import build_mesh_distance
 from isophote.convert.contour_grid import grid_over
-from isophote.convert.contour_run import Options, Triangles, contoured
+from isophote.convert.contour_join import Triangles
+from isophote.convert.contour_run import Options, contoured
 from isophote.kernels.measure.closest import closest_points
 from isophote.progress import Reporter
 from isophote.shapes.field.field import Field

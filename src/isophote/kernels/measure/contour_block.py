@@ -22,7 +22,7 @@ _SIDE = np.int64(BLOCK + 1)
 _LAYER = _SIDE * _SIDE
 _STRIDE = np.int64(16 * WIDTH)
 _ALL = np.int32(0xFFFF)
-_ZERO = np.float32(0)
+_ZERO, _HALF_RANGE = np.float32(0), np.float32(511)
 _NONE = np.int32(-1)
 _X, _Y, _Z = np.int64(0), np.int64(1), np.int64(2)
 
@@ -144,6 +144,7 @@ def _new_component(work, component, code, flags):
     work.codes[component] = code
     work.masks[component] = flags
     work.parents[component] = _NONE
+    work.levels[component] = 0
     work.heads[component] = component
     work.tails[component] = component
     work.following[component] = _NONE
@@ -172,6 +173,15 @@ def _gather_cell(grid, work, code, signs, sample, place, side, first):
 
 
 @device
+def _packed_normal(crossings, at):
+    """A unit vector in ten bits a coordinate."""
+    packed = np.int32(0)
+    for axis in range(3):
+        packed |= np.int32(crossings[at + axis] * _HALF_RANGE + _HALF_RANGE) << np.int32(10 * axis)
+    return packed
+
+
+@device
 def gather_cells(grid, work, output, block, x0, y0, z0, side, cell, component, base):
     """Put out the cells of a block that the surface crosses, in the order of their codes, and make their components.
 
@@ -195,6 +205,7 @@ def gather_cells(grid, work, output, block, x0, y0, z0, side, cell, component, b
             if case & 1 != case >> (1 << axis) & 1:
                 crossing = work.crossing_of[axis * BLOCK_SAMPLES + sample] * CROSSING
                 output.crossings[3 * cell + axis] = work.crossings[crossing + axis]
+                output.normals[3 * cell + axis] = _packed_normal(work.crossings, crossing + 3)
         component = _gather_cell(grid, work, code, case, sample, place, side, component)
         cell += 1
     return cell, component

@@ -8,7 +8,7 @@ from isophote.kernels.base.jit import device, kernel
 from isophote.kernels.base.simd import lowest_bit
 from isophote.kernels.forms.tape_prune import shorten
 from isophote.kernels.measure.contour_block import find_crossed_edges, gather_cells, sample_block
-from isophote.kernels.measure.contour_merge import load_qef, mean_place, merge_components, root_of, solution
+from isophote.kernels.measure.contour_merge import load_qef, mean_place, merge_components, solution
 from isophote.kernels.measure.contour_regions import child_place, children_undecided, shorten_for_region
 from isophote.kernels.measure.contour_roots import find_roots
 from isophote.kernels.measure.contour_tables import BLOCK, BRICK, CONTOUR, OUTPUT, WORK
@@ -24,6 +24,9 @@ _BATCH = 16
 _DONE, _NO_ROOM, _NOT_A_NUMBER, _AT_BORDER = np.int64(0), np.int64(1), np.int64(2), np.int64(3)
 # Cells and components that a block may have.
 _BLOCK_CELLS, _BLOCK_COMPONENTS = np.int64(BLOCK**3), np.int64(4 * BLOCK**3)
+
+# Levels of cells within a brick, each of which has no more components than the one below.
+_LEVELS = np.int64(6)
 
 _open_contour, _open_work, _open_output = CONTOUR.open, WORK.open, OUTPUT.open
 
@@ -57,7 +60,7 @@ def _contour_block(grid, work, output, rows, child, i, j, k, cell, component, ba
         return _DONE, cell, component
     if cell + _BLOCK_CELLS > output.codes.rows or component + _BLOCK_COMPONENTS > work.following.rows:
         return _NO_ROOM, cell, component
-    if base + component + _BLOCK_COMPONENTS > output.vertex_of.rows:
+    if base + _LEVELS * (component + _BLOCK_COMPONENTS) > output.parents.rows:
         return _NO_ROOM, cell, component
     find_roots(grid, work, rows, crossings, x, y, z)
     cell, component = gather_cells(grid, work, output, np.int64(child), x, y, z, _SIDE, cell, component, base)
@@ -85,12 +88,10 @@ def _contour_blocks(grid, work, output, i, j, k, cell, base):
 
 
 @device
-def _place_rest(grid, work, components):
-    """Place the vertices of the components that were not merged."""
+def _place_smallest(grid, work, components):
+    """Place the vertices of the smallest cells."""
     pending = _DONE
     for component in range(components):
-        if work.parents[component] >= 0:
-            continue
         if grid.sharp == 0:
             for axis in range(3):
                 work.places[component, axis] = mean_place(work.moments, component, axis)
@@ -112,20 +113,25 @@ def _solve(work, count):
 
 
 @device
-def _put_out(work, output, components, base, vertex, i, j, k):
-    """Number the vertices of a brick and put them out, in cells of the grid; the next free number."""
-    for component in range(components):
-        work.vertex_of[root_of(work.parents, component)] = np.int32(-1)
-    for component in range(components):
-        root = root_of(work.parents, component)
-        if work.vertex_of[root] < 0:
-            work.vertex_of[root] = np.int32(vertex)
-            output.vertices[vertex, 0] = work.places[root, 0] + np.float64(i)
-            output.vertices[vertex, 1] = work.places[root, 1] + np.float64(j)
-            output.vertices[vertex, 2] = work.places[root, 2] + np.float64(k)
-            vertex += 1
-        output.vertex_of[base + component] = work.vertex_of[root]
-    return vertex
+def _put_out(work, output, made, base, i, j, k):
+    """Put out a brick's components, but for those that came to nothing; the next free number."""
+    node = base
+    for component in range(made):
+        if work.numbers[component] >= 0:
+            work.numbers[component] = np.int32(node)
+            node += 1
+    end = node
+    for component in range(made):
+        if work.numbers[component] < 0:
+            continue
+        node = np.int64(work.numbers[component])
+        parent = work.parents[component]
+        output.parents[node] = work.numbers[parent] if parent >= 0 else np.int32(-1)
+        output.levels[node] = work.levels[component]
+        output.places[node, 0] = work.places[component, 0] + np.float64(i)
+        output.places[node, 1] = work.places[component, 1] + np.float64(j)
+        output.places[node, 2] = work.places[component, 2] + np.float64(k)
+    return end
 
 
 @device
@@ -147,20 +153,22 @@ def contour_bricks(contour, scratch, out, bricks, first, last):
     """
     grid, work, output = _open_contour(contour), _open_work(scratch), _open_output(out)
     across, along = (grid.nx + BRICK - 1) // BRICK, (grid.ny + BRICK - 1) // BRICK
-    cell, base, vertex = np.int64(0), np.int64(0), np.int64(0)
+    cell, base = np.int64(0), np.int64(0)
     for place in range(first, last):
         brick = bricks[place]
         i, j, k = brick % across * BRICK, brick // across % along * BRICK, brick // (across * along) * BRICK
         status, end, components = _contour_blocks(grid, work, output, i, j, k, cell, base)
         if status != _DONE:
             return status, place - first
+        made = components
+        for component in range(components):
+            work.numbers[component] = np.int32(0)
         if grid.reach >= 0:
-            merge_components(grid, work, components)
-        _place_rest(grid, work, components)
-        vertex = _put_out(work, output, components, base, vertex, i, j, k)
-        base += components
+            made = merge_components(grid, work, components)
+        _place_smallest(grid, work, components)
+        base = _put_out(work, output, made, base, i, j, k)
         row = place - first
         output.ends[row, 0], output.ends[row, 1] = np.int32(end), np.int32(base)
-        output.ends[row, 2], output.ends[row, 3] = np.int32(vertex), np.int32(_owned_edges(output.cases, cell, end))
+        output.ends[row, 2] = np.int32(_owned_edges(output.cases, cell, end))
         cell = end
     return _DONE, np.int64(last - first)

@@ -24,7 +24,7 @@ from isophote.kernels.measure.contour_tables import BRICK, MOMENTS
 from isophote.kernels.measure.morton import bit_count, unpacked
 from isophote.kernels.measure.qef import BOX_HIGH, BOX_LOW, MATRIX, RIGHT, SOLUTION, solve_qefs
 
-__all__ = ["load_qef", "mean_place", "merge_components", "root_of", "solution"]
+__all__ = ["load_qef", "mean_place", "merge_components", "solution"]
 
 _NONE = np.int32(-1)
 _ZERO = np.int64(0)
@@ -67,14 +67,6 @@ def solution(work, lane, component):
     for axis in range(3):
         found = np.float64(work.qefs[SOLUTION + 16 * axis + lane])
         work.places[component, axis] = mean_place(work.moments, component, axis) + found
-
-
-@device
-def root_of(parents, component):
-    """What a component was merged into in the end, which may be itself."""
-    while parents[component] >= 0:
-        component = parents[component]
-    return component
 
 
 @device
@@ -228,27 +220,30 @@ def _adopt(work, made, members, count):
 
 
 @device
-def _settle(grid, work, first_made, pending, size, kept):
+def _settle(grid, work, first_made, pending, level, kept):
     """Place the vertices of the proposed components, and merge those that fit; the length of the next list."""
     most = np.float64(grid.reach) * np.float64(grid.reach)
     solve_qefs(work.qefs)
     for lane in range(pending):
         made = first_made + lane
         solution(work, lane, made)
-        count = work.vertex_of[made]
+        count = work.numbers[made]
         fits = True
         for i in range(count):
             fits = fits and _fits(work, work.members[lane * _MOST + i], made, most)
         if fits:
             _adopt(work, made, lane * _MOST, count)
+            work.levels[made] = level
             work.next_list[kept] = np.int32(made)
             kept += 1
+        else:
+            work.numbers[made] = _NONE
     return kept
 
 
 @device
-def _merge_level(grid, work, made, entries, size):
-    """Merge the components in `work.list` into cells of `size`: the next free number, the length of the next list."""
+def _merge_level(grid, work, made, entries, level):
+    """Merge the components in `work.list` into cells of a level: the next free number, the length of the next list."""
     kept, pending, first = _ZERO, _ZERO, _ZERO
     while first < entries:
         parent = work.codes[work.list[first]] >> 3
@@ -264,30 +259,33 @@ def _merge_level(grid, work, made, entries, size):
                 parts = _propose(grid, work, first, count, label, made + pending, pending)
                 if parts == 0:
                     continue
-                # Numbers of vertices are not known yet: their place holds the number of parts.
-                work.vertex_of[made + pending] = np.int32(parts)
-                load_qef(work, pending, made + pending, size)
+                work.numbers[made + pending] = np.int32(parts)
+                load_qef(work, pending, made + pending, np.int64(1) << level)
                 pending += 1
                 if pending == _BATCH:
-                    kept = _settle(grid, work, made, pending, size, kept)
+                    kept = _settle(grid, work, made, pending, level, kept)
                     made += pending
                     pending = 0
         first = end
-    kept = _settle(grid, work, made, pending, size, kept)
+    kept = _settle(grid, work, made, pending, level, kept)
     return made + pending, kept
 
 
 @device
 def merge_components(grid, work, components):
-    """Merge the components of a brick's smallest cells as far as it goes."""
+    """Merge the components of a brick's smallest cells as far as it goes; how many numbers of components are taken.
+
+    `numbers` is -1 for those that came to nothing.
+    """
     entries = _ZERO
     for component in range(components):
         if work.masks[component] & BLOCKED == 0:
             work.list[entries] = np.int32(component)
             entries += 1
-    made, size = np.int64(components), np.int64(2)
-    while entries > 0 and size <= BRICK:
-        made, entries = _merge_level(grid, work, made, entries, size)
+    made, level = np.int64(components), np.int64(1)
+    while entries > 0 and 1 << level <= BRICK:
+        made, entries = _merge_level(grid, work, made, entries, level)
         for i in range(entries):
             work.list[i] = work.next_list[i]
-        size *= 2
+        level += 1
+    return made

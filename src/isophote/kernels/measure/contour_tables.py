@@ -8,6 +8,7 @@ cells of every cube of 2ⁿ cells lie side by side.
 from __future__ import annotations
 
 from isophote.kernels.base.table import (
+    BYTES,
     DOUBLE_BOXES,
     FLOAT,
     FLOATS,
@@ -103,19 +104,24 @@ WORK = Table(
     next_list=INTS,
     members=INTS,
     labels=INTS,
-    vertex_of=INTS,
+    numbers=INTS,
+    levels=BYTES,
 )
 
 OUTPUT = Table(
     "ContourOutput",
-    # Cells that the surface crosses: code within the brick, case, first component, crossings of the owned edges.
+    # Cells that the surface crosses: code within the brick, case, first component; and where it crosses the three edges
+    # that start at the cell's low corner, with the normals there, ten bits a coordinate.
     codes=INTS,
     cases=INTS,
     firsts=INTS,
     crossings=FLOATS,
-    # The vertex of each component, and the vertices.
-    vertex_of=INTS,
-    vertices=DOUBLE_BOXES,
-    # One row for each brick: where its cells, components and vertices end, and how many edges it owns.
+    normals=INTS,
+    # Components, those of a brick's smallest cells first: what each was merged into, or -1, the level of its cell, and
+    # the place of its vertex in cells of the grid.
+    parents=INTS,
+    levels=BYTES,
+    places=DOUBLE_BOXES,
+    # One row for each brick: where its cells and components end, and how many edges it owns.
     ends=INT_ROWS,
 )
