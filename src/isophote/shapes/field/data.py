@@ -35,7 +35,7 @@ def _around(value: Any, slope: float, *intervals: Interval) -> Interval:
     """
     shape, ends = _flat(*(end for interval in intervals for end in interval))
     low, high = np.stack(ends[::2]), np.stack(ends[1::2])
-    endless = ~np.isfinite(low + high).all(axis=0)
+    endless = ~(np.isfinite(low) & np.isfinite(high)).all(axis=0)
     low, high = np.where(endless, 0.0, low), np.where(endless, 0.0, high)
     middle = value(*((low + high) / 2))
     radius = np.where(endless, np.inf, slope * np.sqrt((((high - low) / 2) ** 2).sum(axis=0)))

@@ -31,23 +31,29 @@ def outline_data(loops: Sequence[Floats], name: str) -> OutlineData:
     """
     arcs = _rounded(np.concatenate(loops))
     loop = np.repeat(np.arange(len(loops)), [len(each) for each in loops])
-    moving = (arcs[:, :2] != arcs[:, 4:]).any(axis=1) | (arcs[:, :2] != arcs[:, 2:4]).any(axis=1)
-    arcs, loop = arcs[moving], loop[moving]
+    arcs, origin = split_monotone(arcs)
+    arcs, loop = _moving(_rounded(arcs), loop[origin])
     if len(arcs) == 0:
         raise GeometryError(f"{name}: the outline encloses nothing; it needs three points or more that are not in line")
-    arcs, origin = split_monotone(arcs)
-    arcs, loop = _rounded(arcs), loop[origin]
     for where in ("ends", "crossings"):
         cuts = find_cuts(arcs, where)
         if len(cuts.arc):
             arcs, origin = cut_arcs(arcs, cuts)
-            arcs, loop = _rounded(arcs), loop[origin]
+            arcs, loop = _moving(_rounded(arcs), loop[origin])
     sides = sides_of(arcs, _alike(arcs, loop))
     if not sides.any():
-        raise GeometryError(f"{name}: the outline encloses nothing; it runs back over itself")
+        raise GeometryError(
+            f"{name}: the outline encloses nothing; its points are in line, or it runs back over itself"
+        )
     segments = arcs.astype(np.float32)
     segments.flags.writeable = sides.flags.writeable = False
     return OutlineData(segments, sides)
+
+
+def _moving(arcs: Floats, loop: Ints) -> tuple[Floats, Ints]:
+    """Without arcs that rounding left no length."""
+    moving = (arcs[:, :2] != arcs[:, 4:]).any(axis=1)
+    return arcs[moving], loop[moving]
 
 
 def _alike(arcs: Floats, loop: Ints) -> Ints:
