@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
+import attrs
 import numpy as np
 import numpy.typing as npt
 from numba import njit
@@ -27,15 +28,15 @@ ROW, INPUTS = np.int64(opcodes.ROW), opcodes.INPUTS
 NOTHING = pack_field_data(()).words
 
 
+@attrs.frozen(eq=False)
 class Written(Form):
     """A form by what it writes, and no more."""
 
-    def __init__(self, expression: Callable[[Point], Value], dimension: int = 3) -> None:
-        self._expression = expression
-        self.dimension = dimension  # type: ignore[misc]
+    write: Callable[[Point], Value]
+    dimension: int = 3  # type: ignore[misc]
 
     def expression(self, p: Point) -> Value:
-        return self._expression(p)
+        return self.write(p)
 
 
 def ball(p: Point, radius: float, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Value:

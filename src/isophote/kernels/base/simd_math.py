@@ -29,7 +29,7 @@ from isophote.kernels.base.simd import (
     square_root,
 )
 
-__all__ = ["arc_cosine", "arc_sine", "arc_tangent", "cosine", "exponential", "logarithm", "sine"]
+__all__ = ["arc_cosine", "arc_sine", "arc_tangent", "cosine", "exponential", "logarithm", "sine", "with_sign"]
 
 _LANES = 16
 _I32, _F64 = ir.IntType(32), ir.DoubleType()
@@ -126,7 +126,7 @@ def _mantissa(builder, x):
 
 
 @_on_vectors(2)
-def _with_sign(builder, x, sign):
+def with_sign(builder, x, sign):
     """|x| with the sign bit of `sign`."""
     kind = ir.FunctionType(x.type, [x.type, x.type])
     return builder.call(cgutils.get_or_insert_function(builder.module, kind, "llvm.copysign.v16f32"), [x, sign])
@@ -245,8 +245,8 @@ def arc_tangent(y, x):
     angle = t + t * z * _series5(_ARC_TANGENT, z)
     angle = select(steep, splat16(_EIGHTH_TURN) + angle, angle)
     angle = select(q > p, splat16(_QUARTER_TURN) - angle, angle)
-    angle = select(_with_sign(one, x) < zero, splat16(_HALF_TURN) - angle, angle)
-    return select((x == x) & (y == y), _with_sign(angle, y), x + y)
+    angle = select(with_sign(one, x) < zero, splat16(_HALF_TURN) - angle, angle)
+    return select((x == x) & (y == y), with_sign(angle, y), x + y)
 
 
 @device
@@ -269,7 +269,7 @@ def _arc_sine_near(a):
 def arc_sine(a):
     """Angle in [−π/2, π/2] whose sine is a, clamped to [−1, 1]."""
     large, part = _arc_sine_near(a)
-    return _with_sign(select(large, splat16(_QUARTER_TURN) - splat16(_TWO) * part, part), a)
+    return with_sign(select(large, splat16(_QUARTER_TURN) - splat16(_TWO) * part, part), a)
 
 
 @device

@@ -10,6 +10,9 @@ from __future__ import annotations
 # its value and how far rounding can put values apart that the constant holds together.
 OP, OUT, A, B, C, IMM, LIPSCHITZ, ROUNDING, ROW = 0, 1, 2, 3, 4, 5, 6, 7, 8
 
+# The interpreters, of which each has functions of its own for tables.
+VALUES, INTERVALS, GRADIENTS = 0, 1, 2
+
 # Slots 0, 1, 2 hold the point; the first row writes slot 3.
 INPUTS = 3
 

@@ -26,7 +26,7 @@ from isophote.kernels.base.simd import (
 )
 from isophote.kernels.base.simd_math import arc_cosine, arc_sine, arc_tangent, cosine, exponential, logarithm, sine
 from isophote.kernels.forms import opcodes as op
-from isophote.kernels.forms.field_data import open_field_data
+from isophote.kernels.forms.field_data import call_table, open_field_data
 
 __all__ = [
     "LANES",
@@ -192,6 +192,9 @@ def run_tape(rows, first, count, data, slots, width):
         elif code == op.CONSTANT:
             for j in range(0, end, 16):
                 store16(slots, out + j, splat16(k))
+        else:
+            c = load_int(rows, row + op.C) * stride
+            call_table(data, op.VALUES, load_int(rows, row + op.IMM), slots, out, a, b, c, width)
 
 
 @device

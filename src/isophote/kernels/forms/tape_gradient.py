@@ -24,13 +24,13 @@ from isophote.kernels.base.simd import (
 )
 from isophote.kernels.base.simd_math import arc_cosine, arc_sine, arc_tangent, cosine, exponential, logarithm, sine
 from isophote.kernels.forms import opcodes as op
-from isophote.kernels.forms.field_data import open_field_data
+from isophote.kernels.forms.field_data import call_table, open_field_data
 from isophote.kernels.forms.tape import greater, lesser, smooth_maximum, smooth_minimum
 
 __all__ = ["GRADIENT_SLOT", "evaluate_gradients", "run_gradients"]
 
 GRADIENT_SLOT = 64
-_LANES = 16
+_LANES, _ONE_VECTOR = 16, np.int64(1)
 
 _ROW = np.int64(op.ROW)
 _ZERO, _HALF, _ONE = np.float32(0), np.float32(0.5), np.float32(1)
@@ -152,6 +152,9 @@ def run_gradients(rows, first, count, data, slots):
             p = one
         elif code == op.CONSTANT:
             value = k
+        else:
+            call_table(data, op.GRADIENTS, load_int(rows, row + op.IMM), slots, out, a, b, c, _ONE_VECTOR)
+            continue
         store16(slots, out, value)
         for part in range(16, GRADIENT_SLOT, 16):
             derivative = p * load16(slots, a + part) + q * load16(slots, b + part) + r * load16(slots, c + part)

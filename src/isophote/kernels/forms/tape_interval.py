@@ -32,6 +32,7 @@ from isophote.kernels.base.simd import (
 )
 from isophote.kernels.base.simd_math import arc_cosine, arc_sine, arc_tangent, cosine, exponential, logarithm, sine
 from isophote.kernels.forms import opcodes as op
+from isophote.kernels.forms.field_data import call_table
 from isophote.kernels.forms.interval import (
     absolute_interval,
     arc_cosine_interval,
@@ -52,7 +53,7 @@ __all__ = ["REGION_HIGH", "REGION_MIDDLE", "REGION_SLOT", "run_intervals"]
 
 REGION_MIDDLE, REGION_HIGH, REGION_SLOT = 16, 32, 48
 
-_ROW = np.int64(op.ROW)
+_ROW, _ONE_VECTOR = np.int64(op.ROW), np.int64(1)
 # Turns to add, so that the peaks of the sine are at whole ones.
 _PEAK_OF_SINE = np.float32(-0.25)
 _ZERO, _STEP, _INFINITY = np.float32(0), np.float32(2.0**-21), np.float32(np.inf)
@@ -203,7 +204,10 @@ def run_intervals(rows, first, count, data, slots, choices):
         elif code == op.CONSTANT:
             low, middle, high = k, k, k
         else:
-            low, middle, high = splat16(-_INFINITY), x, splat16(_INFINITY)
+            out = load_int(rows, row + op.OUT) * np.int64(REGION_SLOT)
+            c = load_int(rows, row + op.C) * np.int64(REGION_SLOT)
+            call_table(data, op.INTERVALS, load_int(rows, row + op.IMM), slots, out, a, b, c, _ONE_VECTOR)
+            low, middle, high = load16(slots, out), load16(slots, out + REGION_MIDDLE), load16(slots, out + REGION_HIGH)
         reach = radii * splat16(load_float(rows, row + op.LIPSCHITZ)) + splat16(load_float(rows, row + op.ROUNDING))
         # A NaN in the first argument of `maximum` yields the second: what is not known does not narrow.
         low = maximum(maximum(middle - reach, low), splat16(-_INFINITY))

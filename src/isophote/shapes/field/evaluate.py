@@ -13,6 +13,8 @@ import numpy.typing as npt
 
 from isophote.errors import GeometryError
 from isophote.kernels.forms import opcodes
+from isophote.kernels.forms.opcodes import GRADIENTS, INTERVALS, VALUES
+from isophote.shapes.field.data import GridData, MeshData, OutlineData
 from isophote.shapes.field.form import Form
 from isophote.shapes.field.tape import Tape, numpy_values, sharing_slots, tape_of
 
@@ -36,8 +38,8 @@ class _Prepared(NamedTuple):
     data: Any
 
 
-# Prepared tapes by the identity of their forms, as long as these live.
-_prepared: dict[int, tuple[weakref.ref[Form], _Prepared]] = {}
+# Prepared tapes by the identity of their forms, as long as these live, and the interpreter that they are for.
+_prepared: dict[tuple[int, int], tuple[weakref.ref[Form], _Prepared]] = {}
 
 
 def values(form: Form, points: npt.ArrayLike) -> Singles:
@@ -52,7 +54,7 @@ def values(form: Form, points: npt.ArrayLike) -> Singles:
     if form.is_opaque:
         return _opaque_values(form, array)
     out = np.empty(len(array), np.float32)
-    _on_all(evaluate_points, form, array, out, LANES)
+    _on_all(evaluate_points, _prepare(form, VALUES), array, out, LANES)
     return out
 
 
@@ -73,15 +75,18 @@ def gradients(form: Form, points: npt.ArrayLike) -> Singles:
 
     array = _points_of(form, points)
     out = np.empty((len(array), form.dimension), np.float32)
-    _on_all(evaluate_gradients, form, array, out, GRADIENT_SLOT)
+    _on_all(evaluate_gradients, _prepare(form, GRADIENTS), array, out, GRADIENT_SLOT)
     return out
 
 
-def packed_data(tape: Tape) -> Any:
-    """The tables of a tape as kernels take them, kernels/forms/field_data.py's FIELD_DATA; keep it while they run."""
+def packed_data(tape: Tape, interpreters: tuple[int, ...] = (VALUES, INTERVALS, GRADIENTS)) -> Any:
+    """The tables of a tape as kernels take them: kernels/forms/field_data.py's FIELD_DATA. Keep it while they run.
+
+    Only for the `interpreters` named, numbers of kernels/forms/opcodes.py, the functions of tables are compiled.
+    """
     from isophote.kernels.forms.field_data import pack_field_data
 
-    return pack_field_data([_packed(table) for table in tape.data])
+    return pack_field_data([_packed(table) for table in tape.data], interpreters)
 
 
 def scratch(count: int) -> Singles:
@@ -92,6 +97,19 @@ def scratch(count: int) -> Singles:
 
 
 def _packed(table: Any) -> Any:
+    """A table of data, with the functions that read it."""
+    if isinstance(table, OutlineData):
+        from isophote.kernels.forms.outline import outline_table
+
+        return outline_table(table.segments, table.sides, table.slope)
+    if isinstance(table, GridData):
+        from isophote.kernels.forms.grid import grid_table
+
+        return grid_table(table.values, table.low, table.step, table.slope)
+    if isinstance(table, MeshData):
+        from isophote.kernels.forms.mesh_data import mesh_table
+
+        return mesh_table(table.prepared.table, table.bounds)
     raise GeometryError(f"a table of {type(table).__name__} cannot be evaluated")
 
 
@@ -108,21 +126,20 @@ def _points_of(form: Form, points: npt.ArrayLike) -> npt.NDArray[Any]:
     return array
 
 
-def _prepare(form: Form) -> _Prepared:
-    found = _prepared.get(id(form))
+def _prepare(form: Form, interpreter: int) -> _Prepared:
+    key = id(form), interpreter
+    found = _prepared.get(key)
     if found is not None and found[0]() is form:
         return found[1]
     tape = tape_of(form)
     rows, slots = sharing_slots(tape.rows)
-    made = _Prepared(np.ascontiguousarray(rows).reshape(-1), slots, packed_data(tape))
-    key = id(form)
+    made = _Prepared(np.ascontiguousarray(rows).reshape(-1), slots, packed_data(tape, (interpreter,)))
     _prepared[key] = weakref.ref(form, lambda _: _prepared.pop(key, None)), made
     return made
 
 
-def _on_all(kernel: Callable[..., Any], form: Form, points: npt.NDArray[Any], out: Singles, slot: int) -> None:
+def _on_all(kernel: Callable[..., Any], tape: _Prepared, points: npt.NDArray[Any], out: Singles, slot: int) -> None:
     """Run a kernel over all points, in pieces on as many threads as there is work for."""
-    tape = _prepare(form)
     count = len(points)
 
     def work(begin: int, end: int) -> None:
