@@ -109,9 +109,8 @@ class Union(_Several):
     def exactness(self) -> Exactness:  # type: ignore[override]
         """Exact where sharp and all parts, exact, are apart: then who is inside one sees no other's surface there."""
         worst = min(part.exactness for part in self.parts)
-        if worst is Exactness.EXACT and self.size == 0 and self._are_apart():
-            return worst
-        return super().exactness
+        is_exact = worst is Exactness.EXACT and self.size == 0 and self._are_apart()
+        return worst if is_exact else min(worst, Exactness.BOUND)
 
     def _are_apart(self) -> bool:
         if len(self.parts) > _MOST_APART:

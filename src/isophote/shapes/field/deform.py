@@ -7,6 +7,7 @@ derivative, is bounded over the region that the expression is written for.
 from __future__ import annotations
 
 import math
+from functools import cached_property
 
 import attrs
 import numpy as np
@@ -71,7 +72,7 @@ class Bend(Altered):
         low, high = lowest(self.curvature), highest(self.curvature)
         if low <= 0 <= high:
             raise GeometryError(f"bend: curvature must not be 0, but is {self.curvature!r}; leave the bend out")
-        box = self._inner(0.0)
+        box = self._box
         if not np.isfinite(box[:, :2]).all():
             raise GeometryError("bend: the form is endless along x or y; intersect it with a box first")
         worst = max(-low, high)
@@ -86,15 +87,19 @@ class Bend(Altered):
     def _sign(self) -> float:
         return 1.0 if self.curvature > 0 else -1.0
 
+    @cached_property
+    def _box(self) -> Box:
+        return self._inner(0.0)
+
     def _inner(self, level: float) -> Box:
-        """The form's bounds, with x towards the middle of the circle."""
+        """The form's bounds at a level, with x towards the middle of the circle."""
         box = self.form.bounds_at(level).copy()
         if self._sign() < 0:
             box[:, 0] = -box[::-1, 0]
         return box
 
     def expression(self, p: Point) -> Value:
-        sign, box = self._sign(), self._inner(0.0)
+        sign, box = self._sign(), self._box
         radius = 1.0 / (p.number(self.curvature) * sign)
         u = radius - p.x * sign
         rho = p.bounded(length(u, p.y), 1.0)
@@ -113,8 +118,8 @@ class Bend(Altered):
 
     def bounds_at(self, level: float) -> Box:
         box, radius = self._inner(level), 1 / abs(float(self.curvature))
-        reach = np.abs(self._inner(0.0)[:, 1]).max()
-        nearest = radius - max(float(self._inner(0.0)[1, 0]), 0.0)
+        reach = np.abs(self._box[:, 1]).max()
+        nearest = radius - max(float(self._box[1, 0]), 0.0)
         if level > 0 and (level >= nearest / 2 or level >= math.pi * radius - reach or not np.isfinite(box).all()):
             return np.array([[-np.inf] * 3, [np.inf] * 3])
         near, far = max(radius - float(box[1, 0]), 0.0), radius - float(box[0, 0])

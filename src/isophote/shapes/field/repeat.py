@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import cached_property
 from itertools import product
 from typing import Any, NamedTuple
 
@@ -92,8 +93,13 @@ class Copies(Placed):
     def faces(self, p: Point) -> list[Value]:
         return Form.faces(self, p)
 
+    @cached_property
     def _is_distance(self) -> bool:
         return self.form.exactness is Exactness.EXACT
+
+    @cached_property
+    def _box(self) -> Box:
+        return self.form.bounds
 
 
 class _Row(NamedTuple):
@@ -125,7 +131,7 @@ class Repeat(Copies):
         if not any(self.spacing):
             raise GeometryError("repeat: spacing is 0 along every axis; give one above 0")
         self._check_counts()
-        box = self.form.bounds
+        box = self._box
         for axis, spacing in enumerate(self.spacing):
             if spacing > 0 and lowest(spacing) <= 0:
                 raise GeometryError(f"repeat: a spacing must stay above 0, but is {spacing!r}")
@@ -161,8 +167,8 @@ class Repeat(Copies):
         return [axis for axis in range(self.dimension) if self._count(axis) != 1]
 
     def _steps(self, axis: int) -> range:
-        low, high = self.form.bounds[:, axis]
-        return near(float(high - low) / 2 / lowest(self.spacing[axis]), self._is_distance())
+        low, high = self._box[:, axis]
+        return near(float(high - low) / 2 / lowest(self.spacing[axis]), self._is_distance)
 
     def _is_listed(self, axis: int) -> bool:
         """Whether the copies along an axis are few enough to be looked at all."""
@@ -173,7 +179,7 @@ class Repeat(Copies):
         x, spacing, count = p.coordinates[axis], p.number(self.spacing[axis]), self._count(axis)
         if count is not None and self._is_listed(axis):
             return _Row([(x - spacing * (k - (count - 1) / 2), True) for k in range(count)], None)
-        middle, half = float(self.form.bounds[:, axis].mean()), spacing * 0.5
+        middle, half = float(self._box[:, axis].mean()), spacing * 0.5
         if count is None:
             t = x - middle
             cell = steady(rint(t / spacing))
@@ -196,40 +202,39 @@ class Repeat(Copies):
 
     def near_copies(self, p: Point) -> tuple[list[Copy], Guards]:
         rows = {axis: self._row(p, axis) for axis in self._rows()}
-        folded = [axis for axis, row in rows.items() if row.local is not None and not self._is_distance()]
+        folded = [axis for axis, row in rows.items() if row.local is not None and not self._is_distance]
         copies = []
         for places in product(*(row.places for row in rows.values())):
             parts = p.coordinates
             for axis, (place, _) in zip(rows, places, strict=True):
                 parts[axis] = place
             q = p.moved(parts[0], parts[1], parts[2], 1.0 if all(fixed for _, fixed in places) else math.inf)
-            copies.append(Copy(q, _beyond(q, self.form.bounds, folded) if folded else None))
+            copies.append(Copy(q, _beyond(q, self._box, folded) if folded else None))
         if not folded:
             return copies, Guards([], [])
         others = []
         for axis in folded:
             local, steps = rows[axis].local, self._steps(axis)
             assert local is not None
-            low, high = self.form.bounds[:, axis]
+            low, high = self._box[:, axis]
             others.append(absolute(local) + (p.number(self.spacing[axis]) * (1.0 - steps[0]) - float(high - low) / 2))
-        finite = [axis for axis in range(self.dimension) if np.isfinite(self.bounds[:, axis]).all()]
-        return copies, Guards(others, [_beyond(p, self.bounds, finite)] if finite else [])
+        return copies, Guards(others, _out_of_box(p, self.bounds))
 
     @property
     def exactness(self) -> Exactness:  # type: ignore[override]
         """Exact where copies are apart; otherwise surfaces may be within others."""
-        sizes = np.diff(self.form.bounds, axis=0)[0]
+        sizes = np.diff(self._box, axis=0)[0]
         apart = all(float(sizes[axis]) < lowest(self.spacing[axis]) for axis in self._rows())
         return self.form.exactness if apart else min(self.form.exactness, Exactness.BOUND)
 
     def bounds_at(self, level: float) -> Box:
         listed = all(self._is_listed(axis) for axis in self._rows())
-        box = self.form.bounds_at(level if listed or self._is_distance() else 0.0).copy()
+        box = self.form.bounds_at(level if listed or self._is_distance else 0.0).copy()
         for axis in self._rows():
             count = self._count(axis)
             reach = math.inf if count is None else (count - 1) / 2 * float(self.spacing[axis])
             box[:, axis] += (-reach, reach)
-        return box if listed or self._is_distance() else grown(box, max(level, 0.0))
+        return box if listed or self._is_distance else grown(box, max(level, 0.0))
 
     def spelled(self) -> str:
         count = "" if self.count is None else f", count={number_spelled(self.count)}"
@@ -238,9 +243,15 @@ class Repeat(Copies):
 
 def _beyond(p: Point, box: Box, axes: list[int]) -> Value:
     """How far the point is beyond a box's sides across some axes, which is a bound on its distance."""
-    middle, half = box.mean(axis=0), np.diff(box, axis=0)[0] / 2
-    sides = [absolute(p.coordinates[axis] - float(middle[axis])) - float(half[axis]) for axis in axes]
+    ends = [(axis, *box[:, axis].tolist()) for axis in axes]
+    sides = [absolute(p.coordinates[axis] - (low + high) / 2) - (high - low) / 2 for axis, low, high in ends]
     return p.bounded(largest(sides), 1.0)
+
+
+def _out_of_box(p: Point, box: Box) -> list[Value]:
+    """How far the point is beyond a box's finite sides, or nothing."""
+    finite = [axis for axis in range(box.shape[1]) if np.isfinite(box[:, axis]).all()]
+    return [_beyond(p, box, finite)] if finite else []
 
 
 @attrs.frozen
@@ -277,7 +288,7 @@ class RepeatAround(Copies):
 
     def _sector(self) -> _Sector | None:
         """The form's sector; None where its bounds hold the axis."""
-        box = self.form.bounds[:, list(self._plane())]
+        box = self._box[:, list(self._plane())]
         if not np.isfinite(box).all() or ((box[0] <= 0) & (box[1] >= 0)).all():
             return None
         u, v = (np.array(list(product(*box.T))) - 0.0).T
@@ -290,7 +301,7 @@ class RepeatAround(Copies):
         sector = self._sector()
         if sector is None:
             return range(self.count)
-        return near(sector.half * self.count / math.tau, self._is_distance())
+        return near(sector.half * self.count / math.tau, self._is_distance)
 
     def _is_listed(self) -> bool:
         """Whether all copies are looked at."""
@@ -320,12 +331,11 @@ class RepeatAround(Copies):
             there = place + sector.middle
             fixed = is_fixed(cell) and (step == 0 or is_fixed(side))
             q = self._moved(p, rho * cos(there), rho * sin(there), 1.0 if fixed else math.inf)
-            copies.append(Copy(q, None if self._is_distance() else _out_of(p, rho, place, sector.half)))
-        if self._is_distance():
+            copies.append(Copy(q, None if self._is_distance else _out_of(p, rho, place, sector.half)))
+        if self._is_distance:
             return copies, Guards([], [])
         others = rho * sin(minimum(absolute(local) + (turn * (1 - self._steps()[0]) - sector.half), math.pi / 2))
-        finite = [axis for axis in range(self.dimension) if np.isfinite(self.bounds[:, axis]).all()]
-        return copies, Guards([p.bounded(others, 1.0)], [sector.inner - rho, _beyond(p, self.bounds, finite)])
+        return copies, Guards([p.bounded(others, 1.0)], [sector.inner - rho, *_out_of_box(p, self.bounds)])
 
     @property
     def exactness(self) -> Exactness:  # type: ignore[override]
@@ -335,7 +345,7 @@ class RepeatAround(Copies):
         return self.form.exactness if apart else min(self.form.exactness, Exactness.BOUND)
 
     def bounds_at(self, level: float) -> Box:
-        whole = self._is_listed() or self._is_distance()
+        whole = self._is_listed() or self._is_distance
         box = self.form.bounds_at(level if whole else 0.0)
         first, second = self._plane()
         boxes = []
