@@ -101,9 +101,9 @@ def _by_full_name(name: str) -> Path | None:
     for path in _stems().values():
         try:
             with TTFont(path, fontNumber=0, lazy=True) as font:
-                names = {_plain(font["name"].getDebugName(number) or "") for number in (1, 4, 6, 16)}
+                names = [_plain(font["name"].getDebugName(number) or "") for number in (1, 2, 4, 6)]
         except (TTLibError, OSError, KeyError, ValueError):
             continue
-        if name in names:
+        if name in (names[0], names[0] + names[1], *names[2:]):
             return path
     return None
