@@ -25,6 +25,8 @@ from isophote.io.ply_write import encode_ply
 from isophote.io.source import read_source
 from isophote.io.stl_read import read_stl
 from isophote.io.stl_write import encode_stl
+from isophote.io.threemf_read import read_3mf
+from isophote.io.threemf_write import encode_3mf
 from isophote.shapes.mesh import Attribute, Mesh
 
 __all__ = ["READERS", "WRITERS", "Encoder", "Reader", "Up", "load_mesh", "save_mesh"]
@@ -38,6 +40,7 @@ Up: TypeAlias = Literal["y", "z"]
 _Function = TypeVar("_Function")
 
 READERS: dict[str, Reader] = {
+    ".3mf": read_3mf,
     ".glb": read_gltf_mesh,
     ".gltf": read_gltf_mesh,
     ".obj": read_obj,
@@ -46,6 +49,7 @@ READERS: dict[str, Reader] = {
     ".stl": read_stl,
 }
 WRITERS: dict[str, Encoder] = {
+    ".3mf": encode_3mf,
     ".glb": encode_gltf_mesh,
     ".gltf": encode_gltf_mesh,
     ".obj": encode_obj,
