@@ -91,6 +91,7 @@ _HOME = {
     "torus": "shapes.field.rounds",
     "triangulate": "convert.triangulate",
     "union": "shapes.field.operations",
+    "unwrap": "convert.unwrap",
     "waves": "shapes.field.patterns",
 }
 
