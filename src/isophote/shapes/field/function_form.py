@@ -143,6 +143,7 @@ class FunctionForm(Form):
     is_cut: bool
     resolution: int
     exactness = Exactness.BOUND
+    is_tight = False
     title = "field"
 
     @property
