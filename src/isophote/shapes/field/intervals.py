@@ -25,8 +25,8 @@ _ROUNDING = 1e-12
 _PARTS = {2: 16, 3: 8}
 _HALVINGS = 6
 _PART = 0.005
-# Boxes times operators that are looked at, which takes about a tenth of a second.
-_MOST_WORK = 600_000
+# Boxes times operators that are looked at, which takes some fifty milliseconds.
+_MOST_WORK = 1_200_000
 
 
 @attrs.frozen

@@ -16,6 +16,7 @@ from isophote.shapes.field.alter import Finished
 from isophote.shapes.field.expression import Number, Point, Value
 from isophote.shapes.field.form import Box, Exactness, Form, grown, number_spelled
 from isophote.shapes.field.functions import absolute, arctan2, clip, cos, length, maximum, minimum, rint, select, sin
+from isophote.shapes.field.intervals import tight_bounds
 from isophote.shapes.field.joins import largest, least
 from isophote.shapes.field.numbers import Vector, lowest, not_negative_vector, whole_number
 from isophote.shapes.field.place import Placed, turned_box
@@ -99,7 +100,8 @@ class Copies(Placed):
 
     @cached_property
     def _box(self) -> Box:
-        return self.form.bounds
+        """The tighter the box, the fewer copies are near a point."""
+        return tight_bounds(self.form)
 
 
 class _Row(NamedTuple):
@@ -229,12 +231,13 @@ class Repeat(Copies):
 
     def bounds_at(self, level: float) -> Box:
         listed = all(self._is_listed(axis) for axis in self._rows())
-        box = self.form.bounds_at(level if listed or self._is_distance else 0.0).copy()
+        whole = listed or self._is_distance
+        box = self.form.bounds_at(level).copy() if whole and level > 0 else self._box.copy()
         for axis in self._rows():
             count = self._count(axis)
             reach = math.inf if count is None else (count - 1) / 2 * float(self.spacing[axis])
             box[:, axis] += (-reach, reach)
-        return box if listed or self._is_distance else grown(box, max(level, 0.0))
+        return box if whole else grown(box, max(level, 0.0))
 
     def spelled(self) -> str:
         count = "" if self.count is None else f", count={number_spelled(self.count)}"
@@ -346,7 +349,7 @@ class RepeatAround(Copies):
 
     def bounds_at(self, level: float) -> Box:
         whole = self._is_listed() or self._is_distance
-        box = self.form.bounds_at(level if whole else 0.0)
+        box = self.form.bounds_at(level) if whole and level > 0 else self._box
         first, second = self._plane()
         boxes = []
         for k in range(self.count):

@@ -107,14 +107,14 @@ def numpy_values(form: Form, points: npt.ArrayLike) -> Floats:
     """(n,) float64 values at points (n, dimension), by NumPy alone: the oracle of every other evaluator."""
     graph, result = written(form)
     array = np.asarray(points, np.float64)
-    return np.broadcast_to(_run(graph, result, array)[result], len(array)).astype(np.float64)
+    return np.broadcast_to(node_values(graph, result, array)[result], len(array)).astype(np.float64)
 
 
 def numpy_gradients(form: Form, points: npt.ArrayLike) -> tuple[Floats, Floats]:
     """(n,) float64 values at points (n, dimension), and (n, dimension) derivatives, forwards, operator by operator."""
     graph, result = written(form)
     array = np.asarray(points, np.float64)
-    values = _run(graph, result, array)
+    values = node_values(graph, result, array)
     slopes: dict[int, Any] = {axis: np.eye(3)[axis][:, None] for axis in range(3)}
     with np.errstate(all="ignore"):
         for node in graph.used(result):
@@ -126,7 +126,7 @@ def numpy_gradients(form: Form, points: npt.ArrayLike) -> tuple[Floats, Floats]:
     return np.broadcast_to(values[result], len(array)).astype(np.float64), gradients.astype(np.float64)
 
 
-def _run(graph: Graph, result: int, points: Floats) -> dict[int, Any]:
+def node_values(graph: Graph, result: int, points: Floats) -> dict[int, Any]:
     """The values of all nodes that `result` depends on."""
     values: dict[int, Any] = dict(enumerate(points.T))
     with np.errstate(all="ignore"):
