@@ -16,7 +16,7 @@ from isophote.errors import Error, FileError, IsophoteWarning
 from isophote.io.scene_file import load_scene
 from isophote.scene.scene import Item, Scene, Shape, is_shape
 
-__all__ = ["Subject", "load_subject", "strictly"]
+__all__ = ["Subject", "load_shape", "load_subject", "strictly"]
 
 Subject: TypeAlias = Scene | Item | Shape
 
@@ -32,6 +32,27 @@ def load_subject(path: Path, *, strict: bool = False) -> Subject:
         if path.suffix.lower() == ".py":
             return _from_python(path)
         return load_scene(path, strict=strict)
+
+
+def load_shape(path: Path) -> Shape:
+    """The shape that a Python file defines: `part`, `shape`, or the only shape among its global names.
+
+    It runs as `load_subject` runs it. Raises `FileError`.
+    """
+    defined = _run(path)
+    for name in ("part", "shape"):
+        if name in defined:
+            shape: Shape = defined[name]
+            break
+    else:
+        named = {name: value for name, value in defined.items() if is_shape(value) and not name.startswith("_")}
+        if len({id(value) for value in named.values()}) != 1:
+            several = f"several shapes ({', '.join(named)})" if named else "no shape"
+            raise FileError(path, f"defines {several}; write `part = ...` for the one that is meant")
+        name, shape = next(iter(named.items()))
+    if not is_shape(shape):
+        raise FileError(path, f"`{name}` must be a shape, but is a {type(shape).__name__}")
+    return shape
 
 
 @contextlib.contextmanager

@@ -5,7 +5,7 @@ from __future__ import annotations
 import gzip
 import inspect
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import Any, Literal, TypeAlias, TypeVar
 
@@ -29,7 +29,7 @@ from isophote.io.threemf_read import read_3mf
 from isophote.io.threemf_write import encode_3mf
 from isophote.shapes.mesh import Attribute, Mesh
 
-__all__ = ["READERS", "WRITERS", "Encoder", "Reader", "Up", "load_mesh", "save_mesh"]
+__all__ = ["READERS", "WRITERS", "Encoder", "Reader", "Up", "encoder_for", "load_mesh", "save_mesh"]
 
 Reader: TypeAlias = Callable[[Path, bytes], Mesh]
 """From the path, for messages and neighbouring files, and the bytes, unpacked, to the mesh."""
@@ -91,15 +91,20 @@ def load_mesh(path: StrPath, *, up: Up | None = None, scale: float = 1.0) -> Mes
 def save_mesh(mesh: Mesh, path: StrPath, **options: object) -> None:
     """Write a mesh in the format that the ending tells; see `isophote.save`."""
     file = Path(path)
-    encode = _by_ending(WRITERS, file, "writes meshes as")
+    data = encoder_for(path, options)(mesh, file, **options)
+    # Without a time in it, equal meshes give equal files.
+    write_bytes(path, gzip.compress(data, mtime=0) if file.suffix.lower() == ".gz" else data)
+
+
+def encoder_for(path: StrPath, options: Collection[str]) -> Encoder:
+    """What writes meshes with the ending of a name and options of these names; `FileError` where nothing does."""
+    encode = _by_ending(WRITERS, Path(path), "writes meshes as")
     known = [name for name, p in inspect.signature(encode).parameters.items() if p.kind is p.KEYWORD_ONLY]
     unknown = [name for name in options if name not in known]
     if unknown:
         has = f"its options are {', '.join(known)}" if known else "it has none"
         raise FileError(path, f'this format has no option "{unknown[0]}"; {has}')
-    data = encode(mesh, file, **options)
-    # Without a time in it, equal meshes give equal files.
-    write_bytes(path, gzip.compress(data, mtime=0) if file.suffix.lower() == ".gz" else data)
+    return encode
 
 
 def _by_ending(functions: dict[str, _Function], file: Path, does: str) -> _Function:

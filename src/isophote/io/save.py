@@ -17,10 +17,12 @@ __all__ = ["save"]
 def save(thing: object, path: StrPath, **options: object) -> None:
     """Write a thing to a file, in the format that the ending of its name tells; whole, or not at all.
 
-    A `Mesh` goes to .ply, .stl, .obj, .off, .glb and .gltf, and with a further .gz packed by gzip. Options by name:
-    `binary` (PLY and STL, true by default), `endian` (PLY, "little" or "big"). A `Scene` goes to .glb and .gltf, with
-    its materials, textures, camera, point lights and suns, and to .obj with .mtl and .png beside it; an `Image` to
-    .png, .exr and other endings of pictures.
+    A `Mesh` goes to .ply, .stl, .obj, .off, .3mf, .glb and .gltf, and with a further .gz packed by gzip. Options by
+    name: `binary` (PLY and STL, true by default), `endian` (PLY, "little" or "big"), `unit` (3MF, "millimeter"). A
+    `Field` goes to the same, as the mesh that `to_mesh` makes with its options, `cell` or `tolerance` say, and else
+    with 128 cells along its longest side; and to .html, a page that stands alone. A `Scene` goes to .glb and .gltf,
+    with its materials, textures, camera, point lights and suns, and to .obj with .mtl and .png beside it; an `Image`
+    to .png, .exr and other endings of pictures.
 
     Raises `FileError` for endings that are not known for this thing, for what the format cannot hold
     and where the file cannot be written. What a format merely has no place for is left out, with an
