@@ -214,14 +214,14 @@ class _Measured:
         from scipy.spatial import cKDTree
 
         distances: Floats = cKDTree(self.pairs[0]).query(self.points)[0]
-        near = self.points
+        distances = np.minimum(distances, self._stepped(self.points, self.points))
         for _ in range(_TRIES):
             # On a medial axis differences mix the slopes of both sides; points beside it have one of them.
-            open_ = np.abs(self.values) < distances * (1 - _PART / 2)
-            if not open_.any():
+            off = np.abs(self.values) < distances * (1 - _PART / 2)
+            if not off.any():
                 break
-            distances[open_] = np.minimum(distances[open_], self._stepped(self.points[open_], near[open_]))
-            near = self.points + self.random.normal(size=near.shape) * 3 * _NEAR * self.size
+            near = self.points[off] + self.random.normal(size=self.points[off].shape) * 3 * _NEAR * self.size
+            distances[off] = np.minimum(distances[off], self._stepped(self.points[off], near))
         return distances
 
     def _stepped(self, points: Floats, starts: Floats) -> Floats:
