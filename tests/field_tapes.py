@@ -12,7 +12,9 @@ from numba import njit
 
 from isophote.kernels.forms import opcodes
 from isophote.kernels.forms.field_data import open_field_data, pack_field_data
-from isophote.kernels.forms.tape import LANES, evaluate_points
+from isophote.kernels.forms.tape import LANES
+from isophote.kernels.forms.tape_arrays import evaluate_points
+from isophote.kernels.forms.tape_entries import pack_interpreters
 from isophote.kernels.forms.tape_gradient import GRADIENT_SLOT, run_gradients
 from isophote.kernels.forms.tape_interval import REGION_HIGH, REGION_MIDDLE, REGION_SLOT, run_intervals
 from isophote.kernels.forms.tape_prune import shorten
@@ -84,7 +86,8 @@ def values_of(rows: Ints, points: npt.ArrayLike, data: npt.NDArray[np.int64] = N
     array = np.ascontiguousarray(points, np.float32)
     out = np.empty(len(array), np.float32)
     slots = np.empty((len(rows) + INPUTS + 1) * LANES, np.float32)
-    evaluate_points(rows.reshape(-1), data, array, slots, out, 0, len(array))
+    runners = pack_interpreters(chosen=(opcodes.VALUES,)).words
+    evaluate_points(rows.reshape(-1), data, runners, array, slots, out, 0, len(array))
     return out
 
 

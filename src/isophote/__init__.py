@@ -68,6 +68,7 @@ _HOME = {
     "load_mesh": "io.mesh_file",
     "load_scene": "io.scene_file",
     "load_texture": "io.texture_file",
+    "mask": "convert.mask",
     "octahedron": "shapes.field.polyhedra",
     "plane": "shapes.field.solids",
     "polygon": "shapes.field.field2",

@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from isophote.kernels.base.columns import load_pairs, load_triples
-from isophote.kernels.base.jit import device, kernel
+from isophote.kernels.base.jit import device
 from isophote.kernels.base.simd import (
     absolute,
     floor,
@@ -26,12 +25,11 @@ from isophote.kernels.base.simd import (
 )
 from isophote.kernels.base.simd_math import arc_cosine, arc_sine, arc_tangent, cosine, exponential, logarithm, sine
 from isophote.kernels.forms import opcodes as op
-from isophote.kernels.forms.field_data import call_table, open_field_data
+from isophote.kernels.forms.field_data import call_table
 
 __all__ = [
     "LANES",
     "WIDTH",
-    "evaluate_points",
     "greater",
     "lesser",
     "run_tape",
@@ -195,56 +193,3 @@ def run_tape(rows, first, count, data, slots, width):
         else:
             c = load_int(rows, row + op.C) * stride
             call_table(data, op.VALUES, load_int(rows, row + op.IMM), slots, out, a, b, c, width)
-
-
-@device
-def _load_points(points, start, slots):
-    """Points from row `start` on, LANES of them, to slots 0, 1, 2."""
-    for j in range(0, LANES, 16):
-        if points.shape[1] == 3:
-            x, y, z = load_triples(points, start + j)
-            store16(slots, j + 2 * LANES, z)
-        else:
-            x, y = load_pairs(points, start + j)
-        store16(slots, j, x)
-        store16(slots, j + LANES, y)
-
-
-@device
-def _store_values(slots, result, out, start):
-    """The values of LANES points; NaN for points that are not finite, whatever the operators make of them."""
-    zero = splat16(_ZERO)
-    for j in range(0, LANES, 16):
-        x, y, z = load16(slots, j), load16(slots, j + LANES), load16(slots, j + 2 * LANES)
-        store16(out, start + j, load16(slots, result + j) + (x * zero + y * zero + z * zero))
-
-
-@kernel
-def evaluate_points(rows, data, points, slots, out, first, last):
-    """Values at points `first` ≤ i < `last` of (n, 2) or (n, 3) float32 into `out`.
-
-    `data` are the words of a FIELD_DATA. `slots` holds LANES floats for each slot, and LANES more.
-    """
-    tables = open_field_data(data)
-    count = np.int64(rows.size) // _ROW
-    result = np.int64(load_int(rows, (count - 1) * _ROW + op.OUT)) * LANES
-    rest = np.int64(slots.size) - LANES
-    for j in range(LANES):
-        slots[2 * LANES + j] = _ZERO
-    start = np.int64(first)
-    while start < last:
-        size = min(np.int64(LANES), last - start)
-        if size == LANES:
-            _load_points(points, start, slots)
-        else:
-            for i in range(LANES):
-                for axis in range(points.shape[1]):
-                    slots[axis * LANES + i] = points[start + min(i, size - 1), axis]
-        run_tape(rows, np.int64(0), count, tables, slots, np.int64(WIDTH))
-        if size == LANES:
-            _store_values(slots, result, out, start)
-        else:
-            _store_values(slots, result, slots, rest)
-            for i in range(size):
-                out[start + i] = slots[rest + i]
-        start += size

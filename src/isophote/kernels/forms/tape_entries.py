@@ -15,27 +15,29 @@ from isophote.kernels.base.entry import (
 )
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.table import INT, Table
+from isophote.kernels.forms import opcodes as op
 from isophote.kernels.forms.field_data import FIELD_DATA
 from isophote.kernels.forms.tape import run_tape
 from isophote.kernels.forms.tape_gradient import run_gradients
 from isophote.kernels.forms.tape_interval import run_intervals
 
-__all__ = ["INTERPRETERS", "bounds_on", "gradients_on", "pack_interpreters", "values_on"]
+__all__ = ["INTERPRETERS", "bounds_on", "gradients_on", "open_interpreters", "pack_interpreters", "values_on"]
 
 # Addresses of the entries below.
 INTERPRETERS = Table("Interpreters", values=INT, bounds=INT, gradients=INT)
 
+open_interpreters = INTERPRETERS.open
+
 # Views of an entry's arguments have no bounds, so that their length does not matter.
 _ANY = np.int64(1 << 40)
 _NO_RESULT = np.int64(0)
-_ONE_VECTOR = np.int64(1)
 
 open_data_at = opener_at(FIELD_DATA)
 
 
 @entry
-def _values(rows, first, count, data, slots):
-    run_tape(ints_at(rows, _ANY), first, count, open_data_at(data), floats_at(slots, _ANY), _ONE_VECTOR)
+def _values(rows, first, count, data, slots, width):
+    run_tape(ints_at(rows, _ANY), first, count, open_data_at(data), floats_at(slots, _ANY), width)
     return _NO_RESULT
 
 
@@ -52,16 +54,18 @@ def _gradients(rows, first, count, data, slots):
     return _NO_RESULT
 
 
-def pack_interpreters(compiled: bool = True):
-    """The addresses as a table; zeros, and nothing compiled, where they are not needed."""
+def pack_interpreters(compiled: bool = True, chosen: tuple[int, ...] = (op.VALUES, op.INTERVALS, op.GRADIENTS)):
+    """The addresses of the chosen ones as a table; zeros, and nothing compiled, where they are not needed."""
     entries = {"values": _values, "bounds": _bounds, "gradients": _gradients}
-    return INTERPRETERS.pack(**{name: each.address if compiled else 0 for name, each in entries.items()})
+    return INTERPRETERS.pack(
+        **{name: e.address if compiled and k in chosen else 0 for k, (name, e) in enumerate(entries.items())}
+    )
 
 
 @device
-def values_on(interpreters, rows, first, count, data, slots):
-    """`run_tape` at sixteen points."""
-    arguments = element_address(rows, 0), first, count, table_address(data), element_address(slots, 0)
+def values_on(interpreters, rows, first, count, data, slots, width):
+    """`run_tape`."""
+    arguments = element_address(rows, 0), first, count, table_address(data), element_address(slots, 0), width
     call_entry(interpreters.values, arguments)
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from isophote.kernels.base.jit import device, kernel
+from isophote.kernels.base.jit import device
 from isophote.kernels.base.simd import (
     absolute,
     floor,
@@ -24,13 +24,13 @@ from isophote.kernels.base.simd import (
 )
 from isophote.kernels.base.simd_math import arc_cosine, arc_sine, arc_tangent, cosine, exponential, logarithm, sine
 from isophote.kernels.forms import opcodes as op
-from isophote.kernels.forms.field_data import call_table, open_field_data
+from isophote.kernels.forms.field_data import call_table
 from isophote.kernels.forms.tape import greater, lesser, smooth_maximum, smooth_minimum
 
-__all__ = ["GRADIENT_SLOT", "evaluate_gradients", "run_gradients"]
+__all__ = ["GRADIENT_SLOT", "run_gradients"]
 
 GRADIENT_SLOT = 64
-_LANES, _ONE_VECTOR = 16, np.int64(1)
+_ONE_VECTOR = np.int64(1)
 
 _ROW = np.int64(op.ROW)
 _ZERO, _HALF, _ONE = np.float32(0), np.float32(0.5), np.float32(1)
@@ -159,29 +159,3 @@ def run_gradients(rows, first, count, data, slots):
         for part in range(16, GRADIENT_SLOT, 16):
             derivative = p * load16(slots, a + part) + q * load16(slots, b + part) + r * load16(slots, c + part)
             store16(slots, out + part, derivative)
-
-
-@kernel
-def evaluate_gradients(rows, data, points, slots, out, first, last):
-    """Gradients at points `first` ≤ i < `last` of (n, 2) or (n, 3) float32 into `out`, of their shape.
-
-    `data` are the words of a FIELD_DATA. `slots` holds GRADIENT_SLOT floats for each slot. NaN where points are not
-    finite.
-    """
-    tables = open_field_data(data)
-    count = np.int64(rows.size) // _ROW
-    result = np.int64(load_int(rows, (count - 1) * _ROW + op.OUT)) * GRADIENT_SLOT
-    for j in range(_LANES):
-        slots[2 * GRADIENT_SLOT + j] = _ZERO
-    for start in range(first, last, _LANES):
-        size = min(np.int64(_LANES), last - start)
-        for i in range(_LANES):
-            for axis in range(points.shape[1]):
-                slots[axis * GRADIENT_SLOT + i] = points[start + min(i, size - 1), axis]
-        run_gradients(rows, np.int64(0), count, tables, slots)
-        for i in range(size):
-            blame = _ZERO
-            for axis in range(points.shape[1]):
-                blame += slots[axis * GRADIENT_SLOT + i] * _ZERO
-            for axis in range(points.shape[1]):
-                out[start + i, axis] = slots[result + _LANES * (1 + axis) + i] + blame

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import weakref
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, NamedTuple
@@ -16,9 +15,10 @@ from isophote.kernels.forms import opcodes
 from isophote.kernels.forms.opcodes import GRADIENTS, INTERVALS, VALUES
 from isophote.shapes.field.data import GridData, MeshData, OutlineData
 from isophote.shapes.field.form import Form
+from isophote.shapes.field.kept import Kept
 from isophote.shapes.field.tape import Tape, numpy_values, sharing_slots, tape_of
 
-__all__ = ["gradients", "packed_data", "scratch", "values"]
+__all__ = ["gradients", "packed_data", "processors", "scratch", "values"]
 
 Singles = npt.NDArray[np.float32]
 
@@ -36,10 +36,11 @@ class _Prepared(NamedTuple):
     rows: npt.NDArray[np.int32]
     slots: int
     data: Any
+    interpreters: Any
 
 
-# Prepared tapes by the identity of their forms, as long as these live, and the interpreter that they are for.
-_prepared: dict[tuple[int, int], tuple[weakref.ref[Form], _Prepared]] = {}
+# Prepared tapes, by the interpreter that they are for.
+_prepared: Kept[_Prepared] = Kept()
 
 
 def values(form: Form, points: npt.ArrayLike) -> Singles:
@@ -48,7 +49,8 @@ def values(form: Form, points: npt.ArrayLike) -> Singles:
     Points are taken in single precision; those that are not finite there have the value NaN. Raises `GeometryError`
     for points of another shape and for what is no numbers.
     """
-    from isophote.kernels.forms.tape import LANES, evaluate_points
+    from isophote.kernels.forms.tape import LANES
+    from isophote.kernels.forms.tape_arrays import evaluate_points
 
     array = _points_of(form, points)
     if form.is_opaque:
@@ -71,7 +73,8 @@ def gradients(form: Form, points: npt.ArrayLike) -> Singles:
 
     Where arms meet, that of one of them; NaN where a point is not finite in single precision.
     """
-    from isophote.kernels.forms.tape_gradient import GRADIENT_SLOT, evaluate_gradients
+    from isophote.kernels.forms.tape_arrays import evaluate_gradients
+    from isophote.kernels.forms.tape_gradient import GRADIENT_SLOT
 
     array = _points_of(form, points)
     out = np.empty((len(array), form.dimension), np.float32)
@@ -127,15 +130,15 @@ def _points_of(form: Form, points: npt.ArrayLike) -> npt.NDArray[Any]:
 
 
 def _prepare(form: Form, interpreter: int) -> _Prepared:
-    key = id(form), interpreter
-    found = _prepared.get(key)
-    if found is not None and found[0]() is form:
-        return found[1]
-    tape = tape_of(form)
-    rows, slots = sharing_slots(tape.rows)
-    made = _Prepared(np.ascontiguousarray(rows).reshape(-1), slots, packed_data(tape, (interpreter,)))
-    _prepared[key] = weakref.ref(form, lambda _: _prepared.pop(key, None)), made
-    return made
+    from isophote.kernels.forms.tape_entries import pack_interpreters
+
+    def make() -> _Prepared:
+        tape = tape_of(form)
+        rows, slots = sharing_slots(tape.rows)
+        chosen = pack_interpreters(chosen=(interpreter,))
+        return _Prepared(np.ascontiguousarray(rows).reshape(-1), slots, packed_data(tape, (interpreter,)), chosen)
+
+    return _prepared.get(form, interpreter, make)
 
 
 def _on_all(kernel: Callable[..., Any], tape: _Prepared, points: npt.NDArray[Any], out: Singles, slot: int) -> None:
@@ -148,9 +151,9 @@ def _on_all(kernel: Callable[..., Any], tape: _Prepared, points: npt.NDArray[Any
             for first in range(begin, end, _PIECE):
                 some = slice(first, min(first + _PIECE, end))
                 singles = np.ascontiguousarray(points[some], np.float32)
-                kernel(tape.rows, tape.data.words, singles, slots, out[some], 0, len(singles))
+                kernel(tape.rows, tape.data.words, tape.interpreters.words, singles, slots, out[some], 0, len(singles))
 
-    threads = min(_processors(), 1 + len(tape.rows) // opcodes.ROW * count // _WORK_A_THREAD)
+    threads = min(processors(), 1 + len(tape.rows) // opcodes.ROW * count // _WORK_A_THREAD)
     if threads == 1:
         work(0, count)
         return
@@ -160,6 +163,6 @@ def _on_all(kernel: Callable[..., Any], tape: _Prepared, points: npt.NDArray[Any
             job.result()
 
 
-def _processors() -> int:
+def processors() -> int:
     """Processors that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
