@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from isophote.kernels.accel.field_build import AMBIGUOUS, PARENT, split_regions
-from isophote.kernels.accel.field_layout import CHILDREN, FIRST_TAPE
+from isophote.kernels.accel.field_layout import CHILDREN, FIRST_TAPE, NODE
 from isophote.kernels.forms.opcodes import INPUTS, ROW
 from isophote.kernels.forms.tape_interval import REGION_SLOT
 
@@ -29,16 +29,19 @@ _LONG = 96
 _MOST_ROWS = 1 << 22
 _MOST_NODES = 1 << 17
 _JOB_ROWS = 1 << 18
-# Levels of the tree over which empty regions get tapes of their own: rays for shadows ask for values there.
-_EVERY_LEVELS = 2
+# Empty regions get tapes of their own, too, for rays that ask for values there, where these have no more rows than
+# this; otherwise they keep their parent's.
+_EVERY_ROWS = 1 << 21
 # What is proven of a region holds this far beyond it, in parts of the largest coordinate: more than the rounding of
 # positions and of the walk through the regions.
 _MARGIN = 2.0**-19
 
 
 class FieldTree(NamedTuple):
-    """`nodes` and `tapes` of one field, with `rows` (n, ROW); `tapes[0]` is the whole field's; `levels` of nodes."""
+    """`root` code, `nodes` and `tapes` of one field, with `rows` (n, ROW); `tapes[0]` is the whole field's; `levels` of
+    nodes. Node 0 is none."""
 
+    root: int
     nodes: Ints
     tapes: Ints
     rows: Ints
@@ -97,14 +100,18 @@ def build_field_tree(
     regions stay larger and tapes longer.
     """
     store = _Store(rows)
+    unused = np.zeros((1, NODE), np.int32)
+    if len(rows) <= _SHORT:
+        return FieldTree(FIRST_TAPE, unused.reshape(-1), store.all_tapes(), rows, 0)
     reach = float(max(np.abs(low).max(), np.abs(low.astype(np.float64) + side).max()))
     level = _Level(np.zeros(1, np.int32), np.zeros((1, 3), np.int32))
-    nodes: list[Ints] = []
-    first_node, depth = 0, 0
+    nodes = [unused]
+    first_node, depth = 1, 0
     with ThreadPoolExecutor(threads or _processors()) as executor:
         while len(level.tapes):
             width = np.float32(side / 4 ** (depth + 1))
-            frame = (low, width, np.float32(_MARGIN * reach), depth < _EVERY_LEVELS)
+            every = CHILDREN * int(store.all_tapes()[level.tapes, 1].sum()) <= _EVERY_ROWS and depth < _LEVELS - 1
+            frame = (low, width, np.float32(_MARGIN * reach), every)
             codes, tapes = _split_level(executor, store, data, level, frame)
             depth += 1
             first_node += len(level.tapes)
@@ -114,7 +121,7 @@ def build_field_tree(
             node_codes[chosen] = first_node + np.arange(len(following.tapes))
             nodes.append(np.concatenate([node_codes, tapes], axis=1).astype(np.int32))
             level = following
-    return FieldTree(np.concatenate(nodes).reshape(-1), store.all_tapes(), store.all_rows(), depth)
+    return FieldTree(1, np.concatenate(nodes).reshape(-1), store.all_tapes(), store.all_rows(), depth)
 
 
 def _chosen(store: _Store, states: Ints, tapes: Ints, depth: int, nodes: int) -> npt.NDArray[np.bool_]:

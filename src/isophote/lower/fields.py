@@ -17,9 +17,9 @@ from isophote.kernels.accel.field_surface import field_surface
 from isophote.kernels.accel.field_trace import trace_field
 from isophote.kernels.accel.geometry import SCRATCH_WORDS
 from isophote.kernels.base.table import Packed
-from isophote.kernels.forms.field_data import pack_field_data
 from isophote.kernels.forms.tape_entries import pack_interpreters
 from isophote.scene.scene import placed_box
+from isophote.shapes.field.evaluate import packed_data
 from isophote.shapes.field.field import Field
 from isophote.shapes.field.tape import tape_of
 
@@ -104,7 +104,7 @@ def _lower(part: FieldPart, around: Matrix, threads: int | None) -> _Lowered:
     low = ((clip[0] + clip[1]) / 2 - side / 2).astype(np.float32)
     region = np.stack([low, low + side]) + np.array([[-_BEYOND], [_BEYOND]]) * edge
     tape = tape_of(part.field.form, region)
-    data = pack_field_data(())
+    data = packed_data(tape)
     tree = build_field_tree(tape.rows, data.words, low, side, threads)
     return _Lowered(tree, data, low, side, clip, clip)
 
@@ -136,7 +136,8 @@ def _packed(parts: Sequence[FieldPart], found: Sequence[_Lowered], surface: int,
             row, tape, node = row + len(tree.rows), tape + len(tree.tapes), node + len(tree.nodes) // NODE
             longest = max(longest, int(tree.tapes[:, 1].max()))
         first_node, first_tape = starts[id(tree)]
-        numbers[k] = first_node, tree.levels, first_tape, surface + k
+        root = first_node + tree.root if tree.root > 0 else tree.root - first_tape
+        numbers[k] = root, tree.levels, first_tape, surface + k
         reach = max(float(np.abs(one.low).max()), float(np.abs(one.low + one.side).max()))
         stretch = float(np.abs(part.matrix[:3, :3]).sum(axis=1).max())
         cubes[k] = *one.low, one.side, *one.clip[0], *one.clip[1], stretch, _LEAST_STEP * reach

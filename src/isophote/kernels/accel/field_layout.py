@@ -30,12 +30,15 @@ __all__ = [
     "INPUTS",
     "INSIDE",
     "LEVELS",
+    "LINE",
+    "LOOK",
+    "LOOKS",
     "LOW",
     "NODE",
     "PLACES_AT",
     "PLACES_WORDS",
     "RAY_WORDS",
-    "ROOT_NODE",
+    "ROOT_CODE",
     "ROOT_TAPE",
     "SHORTEST",
     "SIDE",
@@ -54,8 +57,9 @@ EMPTY, INSIDE, FIRST_TAPE = 0, -1, -2
 # Slots of hits on fields: FIELD − number of the tape.
 FIELD = -16
 
-# Columns of `Fields.numbers`: first node, levels of nodes, tape of the whole field, row of the item in `Surfaces`.
-ROOT_NODE, LEVELS, ROOT_TAPE, SURFACE = 0, 1, 2, 3
+# Columns of `Fields.numbers`: code of the root (as a child's; node 0 is none), levels of nodes, tape of the whole
+# field, row of the item in `Surfaces`.
+ROOT_CODE, LEVELS, ROOT_TAPE, SURFACE = 0, 1, 2, 3
 # Columns of `Fields.cubes`: least corner of the root region, its side, least and greatest corner of what rays are
 # clipped to, how much the transform to the world stretches at most, and the shortest step that positions can tell
 # apart.
@@ -88,11 +92,15 @@ FIELDS = Table(
 # and values along a ray, a choice for each row of the longest tape, and slots for it.
 RAY_WORDS = 16
 STACK_AT, STACK_WORDS = RAY_WORDS, STACK + WIDTH
-PLACES_AT, PLACES_WORDS = STACK_AT + STACK_WORDS, 48
+# Looks at 64 points each: places and values, a number, and room to the next.
+LOOK, LOOKS = 128, 4
+PLACES_AT, PLACES_WORDS = STACK_AT + STACK_WORDS, LOOKS * (LOOK + 16)
 CHOICES_AT = PLACES_AT + PLACES_WORDS
 SLOT = 64
+# Slots begin at a cache line: vectors that lie across two take twice as long.
+LINE = 64
 
 
 def field_scratch_words(longest: int) -> int:
     """Words of scratch that the entries need where the longest tape has so many rows."""
-    return CHOICES_AT + longest + SLOT * (longest + INPUTS)
+    return CHOICES_AT + longest + SLOT * (longest + INPUTS) + LINE // 4

@@ -11,7 +11,7 @@ import numpy as np
 
 from isophote.kernels.accel import field_layout as layout
 from isophote.kernels.accel.field_layout import FIELDS
-from isophote.kernels.accel.field_march import affine_doubles, tape_at
+from isophote.kernels.accel.field_march import affine_doubles, slots_at, tape_at
 from isophote.kernels.base.entry import entry, floats_at, opener_at
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.simd import bits, load16, load_float, load_int, lowest_bit, splat16, store16, store_float
@@ -26,9 +26,7 @@ __all__ = ["field_surface"]
 _ZERO, _ONE, _TWO, _QUARTER = np.float32(0), np.float32(1), np.float32(2), np.float32(0.25)
 _FAR = np.float32(np.inf)
 _NOTHING, _DOUBLE_ONE = 0.0, 1.0
-_WORD = np.int64(4)
-_RESULT = np.int64(op.INPUTS - 1)
-_SLOT, _INPUTS = np.int64(layout.SLOT), np.int64(layout.INPUTS)
+_RESULT, _ONE_VECTOR = np.int64(op.INPUTS - 1), np.int64(1)
 # The least distance off the surface in parts of the largest coordinate: a few units in its last place. Each of the
 # following is twice the one before.
 _LEAST_ERROR = np.float32(2.0**-22)
@@ -78,7 +76,7 @@ def _error(fields, data, tape, k, place, normal, slope, least, slots):
             store_float(slots, at + 16, np.float32(y))
             store_float(slots, at + 32, np.float32(z))
         e += e
-    values_on(fields.interpreters, fields.rows, tape.first, tape.length, data, slots)
+    values_on(fields.interpreters, fields.rows, tape.first, tape.length, data, slots, _ONE_VECTOR)
     at = (_RESULT + tape.length) * 16
     e = least * slope * _QUARTER
     for i in range(_TRIES):
@@ -103,9 +101,7 @@ def field_surface(fields_address, scratch_address):
     """
     fields = open_fields_at(fields_address)
     words = floats_at(scratch_address, np.int64(layout.RAY_WORDS))
-    slots = floats_at(
-        scratch_address + _WORD * (layout.CHOICES_AT + fields.longest), _SLOT * (fields.longest + _INPUTS)
-    )
+    slots = slots_at(fields, scratch_address)
     k = np.int64(load_int(words, np.int64(7)))
     tape, data = tape_at(fields, np.int64(load_int(words, np.int64(8)))), open_field_data(fields.data[k])
     t = np.float64(words[6])

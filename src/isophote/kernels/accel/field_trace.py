@@ -14,7 +14,7 @@ import numpy as np
 
 from isophote.kernels.accel import field_layout as layout
 from isophote.kernels.accel.field_layout import EMPTY, FIELDS, INSIDE, NODE
-from isophote.kernels.accel.field_march import Line, affine_doubles, first_crossing, tape_at
+from isophote.kernels.accel.field_march import Line, affine_doubles, first_crossing, slots_at, tape_at
 from isophote.kernels.accel.geometry import push_boxes
 from isophote.kernels.accel.layout import STACK
 from isophote.kernels.base.entry import entry, floats_at, ints_at, opener_at
@@ -30,7 +30,6 @@ _NOTHING, _DOUBLE_ONE = 0.0, 1.0
 _TINY = np.float32(1e-12)
 _FAR = np.float32(np.inf)
 _NONE, _WORD = np.int64(-1), np.int64(4)
-_SLOT, _INPUTS = np.int64(layout.SLOT), np.int64(layout.INPUTS)
 
 open_fields_at = opener_at(FIELDS)
 
@@ -131,21 +130,18 @@ def _past(first, count, direction):
 @device
 def _region(fields, k, cx, cy, cz):
     """(code, binary logarithm of the width in cells) of the region that a cell lies in."""
-    node = np.int64(fields.numbers[k, layout.ROOT_NODE])
-    shift = np.int64(2 * fields.numbers[k, layout.LEVELS] - 2)
-    while True:
-        child = ((cx >> shift) & 3) + 4 * ((cy >> shift) & 3) + 16 * ((cz >> shift) & 3)
-        code = np.int64(fields.nodes[node * NODE + child])
-        if code <= 0:
-            return code, shift
-        node = code
+    shift = np.int64(2 * fields.numbers[k, layout.LEVELS])
+    code = np.int64(fields.numbers[k, layout.ROOT_CODE])
+    while code > 0:
         shift -= 2
+        child = ((cx >> shift) & 3) + 4 * ((cy >> shift) & 3) + 16 * ((cz >> shift) & 3)
+        code = np.int64(fields.nodes[code * NODE + child])
+    return code, shift
 
 
 @device
 def _through_field(fields, k, origin, direction, t_max, any_hit, slots, places, choices):
-    """(t, number of the tape) where a ray first meets the surface of field `k` before `t_max`; number −1 for
-    nowhere."""
+    """(t, number of the tape) where a ray first meets the surface of field `k` before `t_max`; −1 for nowhere."""
     w = _enter(fields, k, origin, direction, t_max)
     if not w.end > _ZERO:
         return t_max, _NONE
@@ -230,9 +226,7 @@ def trace_field(fields_address, scratch_address):
     stack = floats_at(scratch_address + _WORD * layout.STACK_AT, np.int64(layout.STACK_WORDS))
     places = floats_at(scratch_address + _WORD * layout.PLACES_AT, np.int64(layout.PLACES_WORDS))
     choices = ints_at(scratch_address + _WORD * layout.CHOICES_AT, fields.longest)
-    slots = floats_at(
-        scratch_address + _WORD * (layout.CHOICES_AT + fields.longest), _SLOT * (fields.longest + _INPUTS)
-    )
+    slots = slots_at(fields, scratch_address)
     origin, direction = vec3(ray[0], ray[1], ray[2]), vec3(ray[3], ray[4], ray[5])
     t, field, tape = _first_field(fields, origin, direction, ray[6], ray[7] != _ZERO, stack, slots, places, choices)
     ray[6] = t

@@ -1,0 +1,35 @@
+"""Vectors of sixteen floats, lane by lane: numbers of the lanes, and each lane's neighbour."""
+
+from __future__ import annotations
+
+from llvmlite import ir
+from numba.extending import intrinsic
+
+from isophote.kernels.base.simd import f32x16
+
+__all__ = ["following_lanes", "lane_numbers"]
+
+_LANES = 16
+
+
+@intrinsic
+def lane_numbers(typingctx):
+    """(0, 1, …, 15)."""
+
+    def codegen(context, builder, signature, args):
+        return ir.Constant(ir.VectorType(ir.FloatType(), _LANES), [float(k) for k in range(_LANES)])
+
+    return f32x16(), codegen
+
+
+@intrinsic
+def following_lanes(typingctx, v):
+    """Lane k + 1 of `v` in lane k; the last lane stays."""
+    if v != f32x16:
+        return None
+
+    def codegen(context, builder, signature, args):
+        pattern = ir.Constant(ir.VectorType(ir.IntType(32), _LANES), [*range(1, _LANES), _LANES - 1])
+        return builder.shuffle_vector(args[0], args[0], pattern)
+
+    return v(v), codegen
