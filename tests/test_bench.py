@@ -111,3 +111,11 @@ def test_topology() -> None:
     output = output_of("topology.py", "--rounds", "1", "--frequency", "8", "--large", "8")
     assert cells(output, "closed")[0] == "1280"
     assert float(cells(output, "topology")[1]) > 0
+
+
+def test_fields_have_their_speeds_told_and_no_pixel_wrong() -> None:
+    output = output_of("fields.py", "--rounds", "1", "--side", "64")
+    assert cells(output, "values")[0] == "44"
+    assert "met" in output or "missed" in output
+    assert "picture of 7,010 operations" in output
+    assert "Pixels that differ from NumPy's in double precision: 0 of 256." in output
