@@ -189,11 +189,12 @@ def _faces(tables: Packed, edges: Ints, grid: Grid, spread: Spread, report: Repo
     while len(todo):
         _spread_out(spread, contour_faces.find_vertices, tables, len(arrays["parents"]), _COMPONENTS)
         list(spread(write, ((todo[a : a + _BRICKS].tolist(),) for a in range(0, len(todo), _BRICKS))))
-        report("joining", 1 - len(todo) / (2 * bricks))
+        report("joining", 0.5)
         split = np.flatnonzero(arrays["to_split"])
         arrays["split"][split] = 1
         arrays["to_split"][split] = 0
         todo = _touched(arrays, np.unique(np.searchsorted(arrays["nodes"], split, "right") - 1), grid)
+    report("joining", 1.0)
     return found
 
 
