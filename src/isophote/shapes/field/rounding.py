@@ -15,8 +15,13 @@ from isophote.shapes.field.operators import OPERATORS
 
 __all__ = ["roundings"]
 
-# Exact too. Which whole number, or which arm, is taken where rounding decides does not count: a Lipschitz constant beyond
-# such a row is a claim that values meet there, and a point a few roundings away takes the same side exactly.
+_GIVEN = ("INPUT", "PARAMETER", "CONSTANT")
+
+# Their slopes have no bound, but values at numbers that differ by e differ by no more than so many times √e.
+_ROOTS = {"SQUARE_ROOT": 1.0, "ARC_SINE": 2.23, "ARC_COSINE": 2.23}
+
+# Which whole number, or which arm, is taken where rounding decides does not count: a Lipschitz constant beyond such a
+# row is a claim that values meet there, and a point a few roundings away takes the same side exactly.
 _CHOICES = ("FLOOR", "ROUND", "SELECT")
 
 # More than any one operator of the interpreters is off by, in parts of its value, and those that are never off.
@@ -33,22 +38,24 @@ def roundings(graph: Graph, constants: list[float]) -> list[float]:
     errors: list[float] = []
     slack: list[float] = []
     reach = float(np.abs(graph.region).max())
-    for number, (name, arguments, constant) in enumerate(graph.nodes):
-        known = 0.0 if name in ("INPUT", "PARAMETER", "CONSTANT") else math.inf
-        if known:
-            low, high = graph.interval(number)
-            passed = [errors[a] for a in arguments]
-            with np.errstate(all="ignore"):
-                if name in _CHOICES:
-                    known = max([*passed[1:], 0.0])
-                else:
-                    intervals = [graph.interval(a) for a in arguments]
-                    known = float(OPERATORS[name].lipschitz(passed, intervals, constant))
-                if name == "SQUARE_ROOT":
-                    # Its slope has no bound, but roots of numbers that differ by e differ by no more than √e.
-                    known = np.fmin(known, math.sqrt(passed[0]))
-            known += 0.0 if name in _EXACT else _ULPS * float(max(abs(low), abs(high)))
-        errors.append(math.inf if math.isnan(known) else float(known))
-        both = 2 * errors[-1] + _ULPS * constants[number] * reach
-        slack.append(math.inf if math.isnan(both) else both)
+    with np.errstate(all="ignore"):
+        for node, (name, arguments, _) in enumerate(graph.nodes):
+            known = 0.0
+            if name not in _GIVEN:
+                known = _passed_on(graph, node, [errors[a] for a in arguments])
+                if name not in _EXACT:
+                    low, high = graph.interval(node)
+                    known += _ULPS * max(abs(float(low)), abs(float(high)))
+            errors.append(math.inf if math.isnan(known) else known)
+            both = 2 * errors[-1] + _ULPS * constants[node] * reach
+            slack.append(math.inf if math.isnan(both) else both)
     return slack
+
+
+def _passed_on(graph: Graph, node: int, errors: list[float]) -> float:
+    """What errors of the arguments make of the value."""
+    name, arguments, constant = graph.nodes[node]
+    if name in _CHOICES:
+        return max([*errors[1:], 0.0])
+    passed = float(OPERATORS[name].lipschitz(errors, [graph.interval(a) for a in arguments], constant))
+    return float(np.fmin(passed, _ROOTS[name] * math.sqrt(errors[0]))) if name in _ROOTS else passed
