@@ -18,11 +18,10 @@ from isophote.shapes.field.expression import Point, Value
 from isophote.shapes.field.form import Box, Form, number_spelled
 from isophote.shapes.field.functions import (
     absolute,
-    arctan2,
     clip,
     cos,
     length,
-    rint,
+    maximum,
     select,
     sin,
 )
@@ -204,13 +203,18 @@ class Star(FlatForm):
             raise GeometryError(f"star: inner must not be above radius, {self.radius!r}, but is {self.inner!r}")
 
     def expression(self, p: Point) -> Value:
-        """All sectors are brought upon the one about +y, and its halves upon each other; there the outline is one
-        line, from the tip to the notch. What is nearest lies in the same half, for its mirror image is no nearer."""
-        half = math.pi / self.points
-        angle = arctan2(p.x, p.y)
-        folded = absolute(angle - rint(angle * (0.5 / half)) * (2 * half))
-        reach = length(p.x, p.y)
-        q = Point(reach * sin(folded), reach * cos(folded), p.z, p.stretch)
+        """The plane is folded along mirrors of the star until all lies in half a sector, from +y to the first notch's
+        direction; there the outline is one line, from the tip to the notch. What is nearest to a point lies in the same
+        half sector, for its mirror image is no nearer. Angles from +y are halved with each fold, from π down to
+        π / points, so that few are needed; no fold changes a distance."""
+        half, sectors = math.pi / self.points, self.points
+        x, y = absolute(p.x), p.y
+        while sectors > 1:
+            sectors = (sectors + 1) // 2
+            c, s = math.cos(sectors * half), math.sin(sectors * half)
+            beyond = maximum(x * (2 * c) - y * (2 * s), 0.0)
+            x, y = p.bounded(x - beyond * c, 1.0), p.bounded(y + beyond * s, 1.0)
+        q = p.moved(x, y, p.z)
         radius, inner = p.number(self.radius), p.number(self.inner)
         tip, notch = (p.number(0.0), radius), (inner * math.sin(half), inner * math.cos(half))
         side = (q.x - tip[0]) * (notch[1] - tip[1]) - (q.y - tip[1]) * (notch[0] - tip[0])
