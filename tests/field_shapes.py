@@ -60,6 +60,10 @@ OPERATIONS = {
     "ring of bounds": _EGG.scale(0.4).translate((0.1, 0.7, 0.2)).repeat_around("z", 8),
     "overlapping ring of bounds": iso.ellipsoid((0.1, 0.3, 0.1)).translate((0, 0.2, 0.5)).repeat_around("x", 12),
     "ring about a middle": iso.box((0.2, 0.3, 0.6)).translate((0.1, 0, 0.1)).repeat_around("x", 5),
+    "large grid": _GRID.repeat((0.3, 0.4, 0.5), count=(9, 5, 2)),
+    "large grid of bounds": _EGG.scale(0.4).rotate("z", 0.5).repeat((0.2, 0.25, 0), count=(9, 6, 1)),
+    "large ring": iso.box((0.1, 0.3, 0.1)).translate((0.7, 0, 0.1)).repeat_around("y", 37),
+    "large ring of bounds": _EGG.scale(0.4).translate((0.1, 0.9, 0.2)).repeat_around("z", 43),
     "twisted row": iso.sphere(1)
     .union(iso.box(1).translate((1, 0, 0)), blend=0.3)
     .twist(0.8)

@@ -19,7 +19,7 @@ from isophote.shapes.field.form import Box, Form, number_spelled
 from isophote.shapes.field.functions import absolute, arctan2, clip, cos, length, maximum, sin
 from isophote.shapes.field.joins import least
 from isophote.shapes.field.numbers import any_number, highest, lowest, positive_number
-from isophote.shapes.field.slope import most, own_slope
+from isophote.shapes.field.slope import largest_value, most, own_slope
 
 __all__ = ["Bend", "Displace", "Taper", "Twist"]
 
@@ -159,7 +159,8 @@ class Taper(Altered):
         # What the form claims is of the map alone; the value has the factor s.
         q = p.moved(x, p.y, z, _sheared(1 / low, shear / low, 1.0) if low > 0 else math.inf)
         inner = self.form.expression(q)
-        claim = own_slope(self.form, q) * _sheared(1.0, shear, high) + most(inner) * most(slope)
+        largest = min(most(inner), largest_value(self.form, q))
+        claim = own_slope(self.form, q) * _sheared(1.0, shear, high) + largest * most(slope)
         return p.bounded(inner * scale, claim)
 
     def bounds_at(self, level: float) -> Box:

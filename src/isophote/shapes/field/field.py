@@ -11,7 +11,7 @@ from isophote.errors import GeometryError
 from isophote.shapes.field.deform import Bend, Taper, Twist
 from isophote.shapes.field.operations import Operations
 from isophote.shapes.field.place import Along, Rotate
-from isophote.shapes.field.repeat import RepeatAround
+from isophote.shapes.field.ring import RepeatAround
 
 __all__ = ["Field"]
 

@@ -16,7 +16,7 @@ from isophote.shapes.field.image import picture_of
 from isophote.shapes.field.lift import Extrude, Revolve
 from isophote.shapes.field.operations import Operations
 from isophote.shapes.field.place import Turn
-from isophote.shapes.field.repeat import RepeatAround
+from isophote.shapes.field.ring import RepeatAround
 from isophote.shapes.field.sweep import Sweep, sampled_path
 from isophote.shapes.field.text import Text
 

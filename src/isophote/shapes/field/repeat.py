@@ -1,4 +1,4 @@
-"""Copies of a form in rows, grids and rings: the point is brought into its cell, and neighbours are looked at too."""
+"""Copies of a form in rows and grids: the point is brought into its cell, and neighbours are looked at too."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ from isophote.errors import GeometryError
 from isophote.shapes.field.alter import Finished
 from isophote.shapes.field.expression import Number, Point, Value
 from isophote.shapes.field.form import Box, Exactness, Form, grown, number_spelled
-from isophote.shapes.field.functions import absolute, arctan2, clip, cos, length, maximum, minimum, rint, select, sin
+from isophote.shapes.field.functions import absolute, clip, maximum, minimum, rint, select
 from isophote.shapes.field.intervals import tight_bounds
 from isophote.shapes.field.joins import largest, least
-from isophote.shapes.field.numbers import Vector, lowest, not_negative_vector, whole_number
-from isophote.shapes.field.place import Placed, turned_box
+from isophote.shapes.field.numbers import Vector, lowest, not_negative_vector
+from isophote.shapes.field.place import Placed
 from isophote.shapes.field.slope import is_fixed, own_slope, steady
 
-__all__ = ["Copies", "Repeat", "RepeatAround", "near"]
+__all__ = ["FEW", "MOST_NEAR", "ROUNDING", "Copies", "Copy", "Guards", "Repeat", "near", "out_of_box"]
 
 # More copies near a point than this make an expression that nobody wants to wait for.
-_MOST_NEAR = 512
-# So few copies along an axis are written out one by one.
-_FEW = 3
+MOST_NEAR = 512
+# So few copies in all are written out one by one: of such expressions only what matters is left in a region.
+FEW = 32
 # Parts of a spacing: forms that fill their cells exactly fit.
-_ROUNDING = 1e-9
+ROUNDING = 1e-9
 
 
 def near(reach: float, exact: bool) -> range:
@@ -40,8 +40,8 @@ def near(reach: float, exact: bool) -> range:
     steps m with −1/2 − reach < m < 1 + reach count, which are 0 and 1 where forms fit their cells. Where values are
     not `exact`, one more ahead may be taken, so that what is left out is no nearer ahead than behind.
     """
-    back = max(math.ceil(reach + 0.5 - _ROUNDING) - 1, 0)
-    return range(-back, (max(math.ceil(reach - _ROUNDING), 1) if exact else back + 1) + 1)
+    back = max(math.ceil(reach + 0.5 - ROUNDING) - 1, 0)
+    return range(-back, (max(math.ceil(reach - ROUNDING), 1) if exact else back + 1) + 1)
 
 
 class Copy(NamedTuple):
@@ -141,9 +141,9 @@ class Repeat(Copies):
                 raise GeometryError(
                     f"repeat: the form is endless along {'xyz'[axis]}; intersect it with a box first, or give spacing 0"
                 )
-        if math.prod(len(self._steps(axis)) for axis in self._rows()) > _MOST_NEAR:
+        if math.prod(len(self._steps(axis)) for axis in self._rows()) > MOST_NEAR:
             raise GeometryError(
-                f"repeat: spacing {self.spacing!r} is so small that more than {_MOST_NEAR} copies of the form, whose "
+                f"repeat: spacing {self.spacing!r} is so small that more than {MOST_NEAR} copies of the form, whose "
                 f"size is {np.diff(box, axis=0)[0].tolist()}, overlap at a point; give a larger spacing"
             )
 
@@ -175,7 +175,9 @@ class Repeat(Copies):
     def _is_listed(self, axis: int) -> bool:
         """Whether the copies along an axis are few enough to be looked at all."""
         count = self._count(axis)
-        return count is not None and count <= max(len(self._steps(axis)), _FEW)
+        counts = [self._count(row) for row in self._rows()]
+        few = None not in counts and math.prod(counts) <= FEW  # type: ignore[arg-type]
+        return count is not None and (few or count <= len(self._steps(axis)))
 
     def _row(self, p: Point, axis: int) -> _Row:
         x, spacing, count = p.coordinates[axis], p.number(self.spacing[axis]), self._count(axis)
@@ -220,7 +222,7 @@ class Repeat(Copies):
             assert local is not None
             low, high = self._box[:, axis]
             others.append(absolute(local) + (p.number(self.spacing[axis]) * (1.0 - steps[0]) - float(high - low) / 2))
-        return copies, Guards(others, _out_of_box(p, self.bounds))
+        return copies, Guards(others, out_of_box(p, self.bounds))
 
     @property
     def exactness(self) -> Exactness:  # type: ignore[override]
@@ -251,121 +253,7 @@ def _beyond(p: Point, box: Box, axes: list[int]) -> Value:
     return p.bounded(largest(sides), 1.0)
 
 
-def _out_of_box(p: Point, box: Box) -> list[Value]:
+def out_of_box(p: Point, box: Box) -> list[Value]:
     """How far the point is beyond a box's finite sides, or nothing."""
     finite = [axis for axis in range(box.shape[1]) if np.isfinite(box[:, axis]).all()]
     return [_beyond(p, box, finite)] if finite else []
-
-
-@attrs.frozen
-class _Sector:
-    """What a form takes of a turn about the axis: the middle angle, half of the extent, and the distance to it."""
-
-    middle: float
-    half: float
-    inner: float
-
-
-@attrs.frozen(repr=False)
-class RepeatAround(Copies):
-    """`count` copies of a form about an axis through the origin, evenly round, the first where the form is."""
-
-    axis: str = attrs.field()
-    count: int = whole_number(1, 100_000)
-
-    title = "repeat_around"
-
-    def __attrs_post_init__(self) -> None:
-        letters = "z" if self.dimension == 2 else "xyz"
-        if not isinstance(self.axis, str) or self.axis not in tuple(letters):
-            raise GeometryError(f"repeat_around: axis must be one of {', '.join(letters)}, but is {self.axis!r}")
-        if self._is_listed() and self.count > _MOST_NEAR:
-            raise GeometryError(
-                f"repeat_around: {self.count} copies overlap at a point, {_MOST_NEAR} at most may; "
-                "move the form away from the axis, or give a smaller count"
-            )
-
-    def _plane(self) -> tuple[int, int]:
-        """The axes that a turn takes to each other, from the first to the second."""
-        return {"x": (1, 2), "y": (2, 0), "z": (0, 1)}[self.axis]
-
-    def _sector(self) -> _Sector | None:
-        """The form's sector; None where its bounds hold the axis."""
-        box = self._box[:, list(self._plane())]
-        if not np.isfinite(box).all() or ((box[0] <= 0) & (box[1] >= 0)).all():
-            return None
-        u, v = (np.array(list(product(*box.T))) - 0.0).T
-        start = float(np.arctan2(*box.mean(axis=0)[::-1]))
-        angles = np.mod(np.arctan2(v, u) - start + math.pi, math.tau) - math.pi
-        inner = float(np.hypot(*np.maximum(np.maximum(box[0], -box[1]), 0.0)))
-        return _Sector(start + float(angles.min() + angles.max()) / 2, float(np.ptp(angles)) / 2, inner)
-
-    def _steps(self) -> range:
-        sector = self._sector()
-        if sector is None:
-            return range(self.count)
-        return near(sector.half * self.count / math.tau, self._is_distance)
-
-    def _is_listed(self) -> bool:
-        """Whether all copies are looked at."""
-        return self.count <= max(len(self._steps()), _FEW)
-
-    def _moved(self, p: Point, u: Value, v: Value, stretch: float) -> Point:
-        parts = p.coordinates
-        first, second = self._plane()
-        parts[first], parts[second] = u, v
-        return p.moved(parts[0], parts[1], parts[2], stretch)
-
-    def near_copies(self, p: Point) -> tuple[list[Copy], Guards]:
-        u, v = (p.coordinates[axis] for axis in self._plane())
-        turn, sector = math.tau / self.count, self._sector()
-        if self._is_listed() or sector is None:
-            turns = [(math.cos(turn * k), math.sin(turn * k)) for k in range(self.count)]
-            return [Copy(self._moved(p, u * c + v * s, v * c - u * s, 1.0), None) for c, s in turns], Guards([], [])
-        c, s = math.cos(sector.middle), math.sin(sector.middle)
-        rho = p.bounded(length(u, v), 1.0)
-        angle = arctan2(v * c - u * s, u * c + v * s)
-        cell = steady(rint(angle * (1 / turn)))
-        local = clip(angle - cell * turn, -turn / 2, turn / 2)
-        side = steady(select(local, -1.0, 1.0))
-        copies = []
-        for step in self._steps():
-            place = local - side * (step * turn)
-            there = place + sector.middle
-            fixed = is_fixed(cell) and (step == 0 or is_fixed(side))
-            q = self._moved(p, rho * cos(there), rho * sin(there), 1.0 if fixed else math.inf)
-            copies.append(Copy(q, None if self._is_distance else _out_of(p, rho, place, sector.half)))
-        if self._is_distance:
-            return copies, Guards([], [])
-        others = rho * sin(minimum(absolute(local) + (turn * (1 - self._steps()[0]) - sector.half), math.pi / 2))
-        return copies, Guards([p.bounded(others, 1.0)], [sector.inner - rho, *_out_of_box(p, self.bounds)])
-
-    @property
-    def exactness(self) -> Exactness:  # type: ignore[override]
-        """Exact where copies are apart."""
-        sector = self._sector()
-        apart = self.count == 1 or (sector is not None and sector.half < math.pi / self.count)
-        return self.form.exactness if apart else min(self.form.exactness, Exactness.BOUND)
-
-    def bounds_at(self, level: float) -> Box:
-        whole = self._is_listed() or self._is_distance
-        box = self.form.bounds_at(level) if whole and level > 0 else self._box
-        first, second = self._plane()
-        boxes = []
-        for k in range(self.count):
-            matrix = np.eye(self.dimension)
-            c, s = math.cos(math.tau * k / self.count), math.sin(math.tau * k / self.count)
-            matrix[[first, first, second, second], [first, second, first, second]] = c, -s, s, c
-            boxes.append(turned_box(matrix, box))
-        around = np.stack([np.min([b[0] for b in boxes], axis=0), np.max([b[1] for b in boxes], axis=0)])
-        return around if whole else grown(around, max(level, 0.0))
-
-    def spelled(self) -> str:
-        axis = "" if self.dimension == 2 else f"{self.axis!r}, "
-        return f"{self.form.spelled()}.repeat_around({axis}{self.count})"
-
-
-def _out_of(p: Point, rho: Value, place: Value, half: float) -> Value:
-    """The distance from a sector about the angle 0, or less: ρ sin(angle − half), and ρ beyond a right angle."""
-    angle = math.pi - absolute(math.pi - absolute(place))
-    return p.bounded(rho * sin(clip(angle - half, -math.pi / 2, math.pi / 2)), 1.0)

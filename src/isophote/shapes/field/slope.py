@@ -9,20 +9,32 @@ import numpy as np
 
 from isophote.shapes.field.expression import Graph, Point, Value
 from isophote.shapes.field.form import Exactness, Form
+from isophote.shapes.field.tape import numpy_values
 
-__all__ = ["is_fixed", "most", "own_slope", "steady"]
+__all__ = ["is_fixed", "largest_value", "most", "own_slope", "steady"]
 
 
 def own_slope(form: Form, p: Point) -> float:
     """A Lipschitz constant of a form in its own space, where `p` may be; infinite where none is known."""
-    if form.exactness is Exactness.EXACT:
-        return 1.0
-    return _slope(form, *(float(end) for interval in p.intervals() for end in interval))
+    return 1.0 if form.exactness is Exactness.EXACT else _slope(form, *_ends(p))
+
+
+def largest_value(form: Form, p: Point) -> float:
+    """A bound on the magnitude of a form's value where `p` may be: that at the middle, and the slope to the corners."""
+    low, high = np.reshape(_ends(p), (3, 2)).T
+    if not np.isfinite([low, high]).all():
+        return math.inf
+    middle = numpy_values(form, [((low + high) / 2)[: form.dimension]])
+    return abs(float(middle[0])) + own_slope(form, p) * float(np.linalg.norm(high - low)) / 2
+
+
+def _ends(p: Point) -> tuple[float, ...]:
+    return tuple(float(end) for interval in p.intervals() for end in interval)
 
 
 @lru_cache(maxsize=4096)
 def _slope(form: Form, *ends: float) -> float:
-    graph = Graph(np.array(ends).reshape(3, 2).T)
+    graph = Graph(np.reshape(ends, (3, 2)).T)
     value = form.expression(graph.point)
     return graph.lipschitz()[value.id]
 
