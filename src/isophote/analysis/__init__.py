@@ -10,6 +10,7 @@ from typing import Any
 
 # Public name → the module of this package that defines it.
 _HOME: dict[str, str] = {
+    "Cell": "diagrams.cells",
     "Circle": "triangulation.circles",
     "ClosestPoints": "closeness",
     "Components": "connectivity.components",
@@ -23,7 +24,9 @@ _HOME: dict[str, str] = {
     "RepairReport": "mending.repair",
     "SelfIntersections": "self_intersection",
     "SurfacePoints": "sampling",
+    "SweepEvent": "diagrams.events",
     "Topology": "connectivity.topology",
+    "Voronoi": "diagrams.result",
     "angle_deficit": "curvature.discrete",
     "area": "mass",
     "boolean": "solids",
@@ -43,6 +46,7 @@ _HOME: dict[str, str] = {
     "half_edges": "connectivity.half_edges",
     "incircle": "predicates",
     "insphere": "predicates",
+    "lloyd": "diagrams.build",
     "mass_properties": "mass",
     "mean_curvature": "curvature.discrete",
     "orient": "connectivity.orientation",
@@ -55,6 +59,7 @@ _HOME: dict[str, str] = {
     "signed_distance": "closeness",
     "topology": "connectivity.topology",
     "vertex_normals": "curvature.normals",
+    "voronoi": "diagrams.build",
     "winding_number": "inside",
 }
 

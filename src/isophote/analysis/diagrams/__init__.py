@@ -1,0 +1,1 @@
+"""Diagrams of points of the plane: Voronoi's and its weighted kin, their cells, and relaxation."""

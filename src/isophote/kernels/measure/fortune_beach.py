@@ -1,0 +1,206 @@
+"""The beach line of Fortune's sweep: arcs in a list from left to right, and in chunks that are searched by halving.
+
+Arcs are linked to their neighbours. They also stand in chunks of `CHUNK` at most, and the chunks in a directory: to find
+an arc takes a logarithmic number of comparisons, to insert or remove one moves part of a chunk and seldom part of the
+directory.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from isophote.kernels.base.jit import exact_device
+from isophote.kernels.measure.fortune_circles import is_ahead
+from isophote.kernels.measure.fortune_state import (
+    ARC,
+    ARCS,
+    CHUNK,
+    CHUNKS,
+    DIRECTORY,
+    EDGES,
+    FREE_ARC,
+    FREE_CHUNK,
+    FREE_EDGE,
+    IN_CHUNK,
+    LEFT,
+    OWNER,
+    RIGHT,
+)
+
+__all__ = ["append_arc", "arc_number", "find_arc", "free_edge", "insert_behind", "new_arc", "new_edge", "remove_arc"]
+
+
+@exact_device
+def arc_number(s, arc, which):
+    """One of the numbers of an arc."""
+    return np.int64(s.arcs[ARC * arc + which])
+
+
+@exact_device
+def new_arc(s, site):
+    """An arc of a site, not on the beach line yet."""
+    arc = s.counts[FREE_ARC]
+    if arc >= 0:
+        s.counts[FREE_ARC] = arc_number(s, arc, LEFT)
+    else:
+        arc = s.counts[ARCS]
+        s.counts[ARCS] = arc + 1
+    s.arcs[ARC * arc + OWNER] = site
+    s.places[2 * arc], s.places[2 * arc + 1] = s.sites[2 * site], s.sites[2 * site + 1]
+    return arc
+
+
+@exact_device
+def new_edge(s, side):
+    """An edge with this on its lower side."""
+    edge = s.counts[FREE_EDGE]
+    if edge >= 0:
+        s.counts[FREE_EDGE] = s.sides[edge]
+    else:
+        edge = s.counts[EDGES]
+        s.counts[EDGES] = edge + 1
+    s.sides[edge] = side
+    return edge
+
+
+@exact_device
+def free_edge(s, edge):
+    """Give back an edge that is finished."""
+    s.sides[edge] = s.counts[FREE_EDGE]
+    s.counts[FREE_EDGE] = edge
+
+
+@exact_device
+def _is_left(s, b, x, y):
+    """Whether (x, y), on the sweep line, lies to the left of the breakpoint between arc b and the arc before it."""
+    a = arc_number(s, b, LEFT)
+    ax, ay, bx, by = s.places[2 * a], s.places[2 * a + 1], s.places[2 * b], s.places[2 * b + 1]
+    # The younger parabola is the narrower one, ahead between two breakpoints. Its site tells which of them this is.
+    if ay < by and x >= bx:
+        return False
+    if ay > by and x <= ax:
+        return True
+    return is_ahead(ax, ay, bx, by, x, y)
+
+
+@exact_device
+def find_arc(s, x, y):
+    """(arc, place): the arc above (x, y), on the sweep line, and where its chunk stands in the directory."""
+    low, high = np.int64(0), s.counts[DIRECTORY]
+    while high - low > 1:
+        middle = (low + high) >> 1
+        if _is_left(s, np.int64(s.chunks[CHUNK * s.directory[middle]]), x, y):
+            high = middle
+        else:
+            low = middle
+    place, row = low, np.int64(CHUNK) * s.directory[low]
+    low, high = np.int64(0), np.int64(s.sizes[s.directory[place]])
+    while high - low > 1:
+        middle = (low + high) >> 1
+        if _is_left(s, np.int64(s.chunks[row + middle]), x, y):
+            high = middle
+        else:
+            low = middle
+    return np.int64(s.chunks[row + low]), place
+
+
+@exact_device
+def _new_chunk(s, place):
+    """A chunk, entered in the directory at a place."""
+    chunk = s.counts[FREE_CHUNK]
+    if chunk >= 0:
+        s.counts[FREE_CHUNK] = s.sizes[chunk]
+    else:
+        chunk = s.counts[CHUNKS]
+        s.counts[CHUNKS] = chunk + 1
+    for i in range(s.counts[DIRECTORY], place, -1):
+        s.directory[i] = s.directory[i - 1]
+    s.directory[place] = chunk
+    s.counts[DIRECTORY] += 1
+    return chunk
+
+
+@exact_device
+def _halve(s, place):
+    """Move the right half of a chunk to a new one behind it."""
+    chunk = np.int64(s.directory[place])
+    other = _new_chunk(s, place + 1)
+    kept = s.sizes[chunk] >> 1
+    moved = s.sizes[chunk] - kept
+    for i in range(moved):
+        arc = np.int64(s.chunks[CHUNK * chunk + kept + i])
+        s.chunks[CHUNK * other + i] = arc
+        s.arcs[ARC * arc + IN_CHUNK] = other
+    s.sizes[other], s.sizes[chunk] = moved, kept
+
+
+@exact_device
+def _place_in_chunk(s, arc, chunk):
+    i = CHUNK * chunk
+    while s.chunks[i] != arc:
+        i += 1
+    return i
+
+
+@exact_device
+def append_arc(s, last, arc):
+    """Put an arc at the right end of the beach line, behind `last` (-1: it is the first)."""
+    place = s.counts[DIRECTORY] - 1
+    if place < 0 or s.sizes[s.directory[place]] == CHUNK:
+        place += 1
+        s.sizes[_new_chunk(s, place)] = 0
+    chunk = np.int64(s.directory[place])
+    s.chunks[CHUNK * chunk + s.sizes[chunk]] = arc
+    s.sizes[chunk] += 1
+    s.arcs[ARC * arc + IN_CHUNK] = chunk
+    s.arcs[ARC * arc + LEFT], s.arcs[ARC * arc + RIGHT] = last, np.int64(-1)
+    if last >= 0:
+        s.arcs[ARC * last + RIGHT] = arc
+
+
+@exact_device
+def insert_behind(s, arc, place, first, second):
+    """Put two arcs to the right of an arc, whose chunk stands at `place` in the directory."""
+    if s.sizes[arc_number(s, arc, IN_CHUNK)] + 2 > CHUNK:
+        _halve(s, place)
+    chunk = arc_number(s, arc, IN_CHUNK)
+    at = _place_in_chunk(s, arc, chunk) + 1
+    for i in range(CHUNK * chunk + s.sizes[chunk] - 1, at - 1, -1):
+        s.chunks[i + 2] = s.chunks[i]
+    s.chunks[at], s.chunks[at + 1] = first, second
+    s.sizes[chunk] += 2
+    s.arcs[ARC * first + IN_CHUNK] = s.arcs[ARC * second + IN_CHUNK] = chunk
+    after = arc_number(s, arc, RIGHT)
+    s.arcs[ARC * arc + RIGHT], s.arcs[ARC * first + LEFT] = first, arc
+    s.arcs[ARC * first + RIGHT], s.arcs[ARC * second + LEFT] = second, first
+    s.arcs[ARC * second + RIGHT] = after
+    if after >= 0:
+        s.arcs[ARC * after + LEFT] = second
+
+
+@exact_device
+def remove_arc(s, arc):
+    """Take an arc that has neighbours off the beach line, and give it back."""
+    chunk = arc_number(s, arc, IN_CHUNK)
+    last = s.sizes[chunk] - 1
+    for i in range(_place_in_chunk(s, arc, chunk), CHUNK * chunk + last):
+        s.chunks[i] = s.chunks[i + 1]
+    s.sizes[chunk] = last
+    if last == 0:
+        _drop_chunk(s, chunk)
+    left, right = arc_number(s, arc, LEFT), arc_number(s, arc, RIGHT)
+    s.arcs[ARC * left + RIGHT], s.arcs[ARC * right + LEFT] = right, left
+    s.arcs[ARC * arc + LEFT] = s.counts[FREE_ARC]
+    s.counts[FREE_ARC] = arc
+
+
+@exact_device
+def _drop_chunk(s, chunk):
+    place = np.int64(0)
+    while s.directory[place] != chunk:
+        place += 1
+    s.counts[DIRECTORY] -= 1
+    for i in range(place, s.counts[DIRECTORY]):
+        s.directory[i] = s.directory[i + 1]
+    s.sizes[chunk] = s.counts[FREE_CHUNK]
+    s.counts[FREE_CHUNK] = chunk
