@@ -126,3 +126,8 @@ def test_endless_fields_are_drawn_where_it_is_said():
     image = iso.render(half, iso.FieldPlot(bounds=[[-1, -1], [1, 1]]), size=(20, 20))
     assert (image.channels["value"][:, :10] < 0).all()
     assert (image.channels["value"][:, 10:] > 0).all()
+
+
+def test_scenes_hold_no_fields_in_the_plane():
+    with pytest.raises(iso.SceneError, match=r"circle.* is a field in the plane.*extrude or revolve it"):
+        iso.Item(DISC)

@@ -46,6 +46,10 @@ def _shape(instance: Any, attribute: attrs.Attribute[Any], value: Any) -> None:
     if not is_shape(value):
         hint = "; load_mesh reads one from a file" if isinstance(value, str) else ""
         raise SceneError(f"Item: shape must be a shape, such as a Mesh, but is {_described(value)}{hint}")
+    if getattr(type(value), "dimension", 3) == 2:
+        raise SceneError(
+            f"Item: {_described(value)} is a field in the plane, which a scene does not show; extrude or revolve it"
+        )
 
 
 def _described(value: object) -> str:
