@@ -75,6 +75,7 @@ _HOME = {
     "prism": "shapes.field.polyhedra",
     "pyramid": "shapes.field.polyhedra",
     "rectangle": "shapes.field.field2",
+    "remesh": "analysis.remeshing.isotropic",
     "render": "rendering.render",
     "rounded_box": "shapes.field.solids",
     "rounded_cone": "shapes.field.rounds",

@@ -10,7 +10,8 @@ import numpy.typing as npt
 
 from isophote.convert.triangulate import triangulate
 from isophote.errors import GeometryError, IsophoteWarning
-from isophote.kernels.measure.collapse import MOST_AROUND, collapse_edges, prepare_collapse
+from isophote.kernels.measure.collapse import collapse_edges, prepare_collapse
+from isophote.kernels.measure.rings import MOST_AROUND, fill_rings
 from isophote.shapes.mesh import Mesh
 
 __all__ = ["simplify"]
@@ -62,6 +63,7 @@ def _run(positions: npt.NDArray[np.float64], triangles: npt.NDArray[np.int32], w
     count = len(positions)
     heads, following = np.full(count, -1, np.int32), np.empty(3 * len(triangles), np.int32)
     quadrics, on_rim = np.zeros((count, 11)), np.zeros(count, np.uint8)
+    fill_rings(triangles, heads, following)
     prepare_collapse(positions, triangles, heads, following, quadrics, on_rim)
     room = 4 * len(triangles) + 4 * MOST_AROUND
     scratch = (np.empty(MOST_AROUND, np.int32), np.empty(MOST_AROUND, np.int32), np.empty(11))

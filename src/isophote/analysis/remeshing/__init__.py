@@ -1,0 +1,1 @@
+"""Meshes of the same surface with other triangles."""
