@@ -88,5 +88,5 @@ def _even_out(surface: Mesh, positions: Floats, triangles: Ints, length: float, 
     relax(positions, triangles, *rings, kinds, 0, len(positions), moved)
     kept = triangles[triangles[:, 0] >= 0]
     used, renumbered = np.unique(kept, return_inverse=True)
-    positions = closest_point(surface, moved[used]).points
+    positions = np.array(closest_point(surface, moved[used]).points)
     return np.ascontiguousarray(positions), np.ascontiguousarray(renumbered.reshape(-1, 3), np.int32)
