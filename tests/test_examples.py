@@ -60,10 +60,13 @@ def blocks(page: Path) -> str:
 def test_pages_run(tmp_path: Path, page: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     # Pictures of the pages are large; here they only have to come out.
-    small = iso.render
-    monkeypatch.setattr(
-        iso, "render", lambda subject, *a, **k: small(subject, iso.PathTrace(1), **{**k, "size": (8, 6)})
-    )
+    whole = iso.render
+
+    def small(subject, *method, **options):
+        methods = method if isinstance(subject, iso.Field2) else (iso.PathTrace(1),)
+        return whole(subject, *methods, **{**options, "size": (8, 6)})
+
+    monkeypatch.setattr(iso, "render", small)
     exec(compile(blocks(page), str(page), "exec"), {"__name__": page.stem})
 
 

@@ -49,9 +49,8 @@ def find_font(font: str | os.PathLike[str] | None) -> Path:
     Raises `FileError` for a path where no file is, `GeometryError` where no font of the name is installed, or none.
     """
     if font is None:
-        for name in _USUAL:
-            if (path := _by_stem(_plain(name))) is not None:
-                return path
+        if (found := _first(tuple(map(_plain, _USUAL)))) is not None:
+            return found
         places = ", ".join(map(str, font_folders()))
         raise GeometryError(f"text: none of the usual fonts is installed in {places}; {_REMEDY}")
     path = Path(font)
@@ -60,7 +59,7 @@ def find_font(font: str | os.PathLike[str] | None) -> Path:
             raise FileError(path, "there is no such font file", "text")
         return path.resolve()
     name = _plain(str(font))
-    found = _by_stem(name) or _by_stem(name + "regular") or _by_full_name(name)
+    found = _first((name, name + "regular")) or _by_full_name(name)
     if found is None:
         raise GeometryError(f"text: no font named {str(font)!r} is installed; {_REMEDY}")
     return found
@@ -85,13 +84,16 @@ def _stems() -> dict[str, Path]:
     return stems
 
 
-def _by_stem(name: str) -> Path | None:
-    path = _stems().get(name)
-    if path is None or not path.is_file():
+def _first(names: tuple[str, ...]) -> Path | None:
+    """The first font whose file has one of these names."""
+    for _ in range(2):
+        stems = _stems()
+        path = next((stems[name] for name in names if name in stems), None)
+        if path is not None and path.is_file():
+            return path
         # Fonts may have come or gone since the folders were read.
         _stems.cache_clear()
-        path = _stems().get(name)
-    return path
+    return None
 
 
 def _by_full_name(name: str) -> Path | None:

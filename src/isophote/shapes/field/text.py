@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -62,7 +62,7 @@ class Text(FlatForm):
     def __attrs_post_init__(self) -> None:
         _ = self.data
 
-    @property
+    @cached_property
     def data(self) -> OutlineData:
         """The outline of the text with ems of length 1; the same object for equal texts."""
         path = find_font(self.font)
