@@ -94,9 +94,11 @@ def join(
     tables = contour_faces.FACES.pack(**arrays, **fixed)
     _spread_out(spread, contour_faces.index_bricks, tables, len(bricks), _BRICKS)
     tables = _mended(tables)
+    triangles = np.concatenate(_faces(tables, edges, grid, spread, report))
     places = tables.arrays["places"]
-    used, triangles = _compacted(_faces(tables, edges, grid, spread, report), len(places))
-    return Triangles(places[used] * grid.cell + grid.low, triangles)
+    numbers, vertices = np.zeros(len(places), np.int32), np.empty_like(places)
+    count = contour_faces.put_together(places, grid.cell, grid.low, triangles, numbers, vertices)
+    return Triangles(vertices[:count].copy(), triangles)
 
 
 def _starts(counts: npt.NDArray[Any]) -> Longs:
@@ -193,31 +195,24 @@ def _faces(tables: Packed, edges: Ints, grid: Grid, spread: Spread, report: Repo
         split = np.flatnonzero(arrays["to_split"])
         arrays["split"][split] = 1
         arrays["to_split"][split] = 0
-        todo = _touched(arrays, np.unique(np.searchsorted(arrays["nodes"], split, "right") - 1), grid)
+        todo = _touched(arrays, split, grid)
     report("joining", 1.0)
     return found
 
 
-def _touched(arrays: dict[str, Any], bricks: Longs, grid: Grid) -> Longs:
-    """Bricks that have faces at components of the given ones: these, and the next ones along the axes."""
-    across, along, deep = grid.bricks
-    numbers = arrays["bricks"][bricks]
-    x, y, z = numbers % across, numbers // across % along, numbers // (across * along)
-    touched = []
-    for step in range(8):
-        u, v, w = x + (step & 1), y + (step >> 1 & 1), z + (step >> 2)
-        kept = (u < across) & (v < along) & (w < deep)
-        touched.append(((w * along + v) * across + u)[kept])
-    slots = np.unique(arrays["slots"][np.concatenate(touched)]).astype(np.int64)
+def _touched(arrays: dict[str, Any], components: Longs, grid: Grid) -> Longs:
+    """Bricks that have faces at components: those that they lie in, and the next ones where their cells reach there."""
+    numbers = arrays["bricks"][np.searchsorted(arrays["nodes"], components, "right") - 1]
+    across, along, _ = grid.bricks
+    place = np.stack([numbers % across, numbers // across % along, numbers // (across * along)], axis=1)
+    # Vertices lie in their cells or a cell beside them.
+    reach = 2 + (1 << arrays["levels"][components].astype(np.int64))[:, None]
+    beyond = arrays["places"][components] + reach >= (place + 1) * BRICK
+    touched = [place]
+    for step in range(1, 8):
+        way = np.array([step & 1, step >> 1 & 1, step >> 2])
+        there = place[(beyond | (way == 0)).all(axis=1)] + way
+        touched.append(there[(there < grid.bricks).all(axis=1)])
+    x, y, z = np.concatenate(touched).T
+    slots = np.unique(arrays["slots"][(z * along + y) * across + x]).astype(np.int64)
     return slots[slots >= 0]
-
-
-def _compacted(parts: list[Ints], count: int) -> tuple[Longs, Ints]:
-    """The components that triangles name, and the triangles by numbers among these."""
-    triangles = np.concatenate(parts)
-    named = np.zeros(count, bool)
-    named[triangles.reshape(-1)] = True
-    used = np.flatnonzero(named)
-    number = np.zeros(count, np.int32)
-    number[used] = np.arange(len(used), dtype=np.int32)
-    return used, number[triangles]

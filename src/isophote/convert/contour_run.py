@@ -34,7 +34,7 @@ MEMORY = 4e9
 _A_BRICK = 400_000
 # Bricks that a thread is given at once, and what their cells and components have room for at first.
 _CHUNK = 4
-_ROOM = 16384
+_ROOM = 6144
 
 
 class _Field(NamedTuple):

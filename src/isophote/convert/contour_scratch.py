@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from isophote.kernels.base.linked import address_of
 from isophote.kernels.base.table import Packed
@@ -12,6 +14,7 @@ from isophote.kernels.forms import tape_linked
 from isophote.kernels.forms.opcodes import INPUTS, ROW
 from isophote.kernels.measure import contour_cases as cases
 from isophote.kernels.measure.contour_tables import (
+    BLOCK,
     BLOCK_SAMPLES,
     CONTOUR,
     CROSSING,
@@ -26,6 +29,14 @@ from isophote.kernels.measure.qef import QEF_WORDS
 from isophote.shapes.field.evaluate import scratch
 
 __all__ = ["new_output", "new_work", "pack_contour"]
+
+
+@cache
+def _places() -> npt.NDArray[np.int32]:
+    """Where the cell of each code lies in its block."""
+    code = np.arange(BLOCK**3)
+    bits = [sum((code >> (3 * bit + axis) & 1) << bit for bit in range(3)) for axis in range(3)]
+    return (bits[0] + 16 * bits[1] + 256 * bits[2]).astype(np.int32)
 
 
 def pack_contour(rows: Any, axes: Any, reach: float, sharp: bool) -> Packed:
@@ -49,6 +60,7 @@ def pack_contour(rows: Any, axes: Any, reach: float, sharp: bool) -> Packed:
         face_edges=cases.FACE_EDGES,
         inner_edges=cases.INNER_EDGES,
         outer_edges=cases.OUTER_EDGES,
+        places=_places(),
     )
 
 
@@ -80,6 +92,7 @@ def new_work(rows: Any, data: Packed, components: int) -> Packed:
         values=scratch(POINTS),
         signs=ints(POINTS // 16 + 1),
         rows_of_signs=ints(81),
+        crossed_cells=ints(BLOCK * BLOCK),
         crossing_of=ints(3 * BLOCK_SAMPLES),
         starts=ints(3 * BLOCK_SAMPLES),
         roots=scratch(ROOT_ROWS * 16 * WIDTH),

@@ -10,7 +10,6 @@ from isophote.kernels.base.simd import bits, load16, lowest_bit, splat16, store1
 from isophote.kernels.forms.opcodes import INPUTS
 from isophote.kernels.measure.contour_cases import AMBIGUOUS, COMPONENT_BITS, COUNT_SHIFT
 from isophote.kernels.measure.contour_tables import BLOCK, BLOCK_SAMPLES, CROSSING, MOMENTS, POINTS, WIDTH
-from isophote.kernels.measure.morton import unpacked
 
 __all__ = ["BLOCKED", "CELL_EDGES", "find_crossed_edges", "gather_cells", "sample_block"]
 
@@ -92,6 +91,18 @@ def find_crossed_edges(work):
     for row in range(BLOCK * _SIDE):
         count = _add_edges(work, np.int64(signs[row] ^ signs[row + _SIDE]), _Z, row * _SIDE, count)
     return count
+
+
+@device
+def _find_crossed_cells(work):
+    """For each row of cells, bits of those with corners of unlike signs."""
+    signs = work.rows_of_signs
+    for z in range(BLOCK):
+        for y in range(BLOCK):
+            row = z * _SIDE + y
+            a, b, c, d = signs[row], signs[row + 1], signs[row + _SIDE], signs[row + _SIDE + 1]
+            some, each = a | b | c | d, a & b & c & d
+            work.crossed_cells[z * BLOCK + y] = (some | some >> 1) & ~(each & each >> 1)
 
 
 @device
@@ -189,12 +200,14 @@ def gather_cells(grid, work, output, block, x0, y0, z0, side, cell, component, b
     numbers, and `base` what the brick's component 0 is in the output. Returns the next free numbers.
     """
     signs = work.rows_of_signs
+    _find_crossed_cells(work)
     for number in range(BLOCK * BLOCK * BLOCK):
-        x, y, z = unpacked(number), unpacked(number >> 1), unpacked(number >> 2)
+        at = np.int64(grid.places[number])
+        x, y, z = at & 15, at >> 4 & 15, at >> 8
+        if work.crossed_cells[z * BLOCK + y] >> x & 1 == 0:
+            continue
         row = z * _SIDE + y
         case = _signs_of_cell(signs, np.int32(x), row)
-        if case == 0 or case == 255:
-            continue
         code = np.int32(block * BLOCK * BLOCK * BLOCK + number)
         sample = row * _SIDE + x
         place = ((z0 + z) * side + y0 + y) * side + x0 + x

@@ -8,9 +8,18 @@ from isophote.kernels.base.jit import device, kernel
 from isophote.kernels.base.table import BYTES, DOUBLE_BOXES, FLOAT, FLOATS, INT, INT_ROWS, INTS, LONGS, Table
 from isophote.kernels.measure.contour_cases import COMPONENT_BITS
 from isophote.kernels.measure.contour_tables import BRICK
-from isophote.kernels.measure.morton import bit_count, morton, unpacked
+from isophote.kernels.measure.morton import X_BITS, bit_count, morton, stepped_back, unpacked
 
-__all__ = ["FACES", "cell_at", "find_vertices", "index_bricks", "open_faces", "place_of_cell", "write_faces"]
+__all__ = [
+    "FACES",
+    "cell_at",
+    "find_vertices",
+    "index_bricks",
+    "open_faces",
+    "place_of_cell",
+    "put_together",
+    "write_faces",
+]
 
 FACES = Table(
     "ContourFaces",
@@ -45,6 +54,8 @@ FACES = Table(
 )
 
 _WORD = np.int64(32)
+# The bits of a code within a brick.
+_CODE = np.int64(BRICK**3 - 1)
 # Triangles whose normals are farther than this cosine from that of the surface are folded over.
 _TURNED = np.float64(0.1)
 _CLOSE = np.float64(1e-4)
@@ -77,14 +88,24 @@ def find_vertices(tables, first, last):
 
 
 @device
-def cell_at(t, i, j, k):
-    """The number of a cell that is known to be there."""
-    brick = (k // BRICK * t.along + j // BRICK) * t.across + i // BRICK
-    slot = np.int64(t.slots[brick])
-    code = morton(i % BRICK, j % BRICK, k % BRICK)
+def _cell_of_code(t, slot, code):
+    """The number of the cell of a code in a brick, which is known to be there."""
     word, bit = code // _WORD, code % _WORD
     below = np.int64(t.present[slot, word]) & ((np.int64(1) << bit) - 1)
     return t.starts[slot] + t.ranks[slot, word] + bit_count(below)
+
+
+@device
+def cell_at(t, i, j, k):
+    """The number of a cell that is known to be there."""
+    brick = (k // BRICK * t.along + j // BRICK) * t.across + i // BRICK
+    return _cell_of_code(t, np.int64(t.slots[brick]), morton(i % BRICK, j % BRICK, k % BRICK))
+
+
+@device
+def _cell_before(t, slot, code, bits, i, j, k):
+    """The cell at (i, j, k), which is one before that of a code along the axis whose bits are given."""
+    return _cell_of_code(t, slot, stepped_back(code, bits)) if code & bits != 0 else cell_at(t, i, j, k)
 
 
 @device
@@ -187,16 +208,26 @@ def _write_quad(t, out, count, axis, place, normal, a, b, c, d, u0, v0):
 
 
 @device
-def _write_edge(t, out, count, cell, axis, i, j, k):
+def _write_edge(t, out, count, brick, cell, axis, i, j, k):
     """The face of the edge along an axis that starts at the low corner of a cell."""
     u, v = (axis + 1) % 3, (axis + 2) % 3
     ui, uj, uk = np.int64(u == 0), np.int64(u == 1), np.int64(u == 2)
     vi, vj, vk = np.int64(v == 0), np.int64(v == 1), np.int64(v == 2)
-    first = 4 * axis
-    a = _vertex(t, cell_at(t, i - ui - vi, j - uj - vj, k - uk - vk), first + 3)
-    b = _vertex(t, cell_at(t, i - vi, j - vj, k - vk), first + 2)
+    first, code = 4 * axis, np.int64(t.codes[cell])
+    u_bits, v_bits = (X_BITS << u) & _CODE, (X_BITS << v) & _CODE
     c = _vertex(t, cell, first)
-    d = _vertex(t, cell_at(t, i - ui, j - uj, k - uk), first + 1)
+    b = _vertex(t, _cell_before(t, brick, code, v_bits, i - vi, j - vj, k - vk), first + 2)
+    d = _vertex(t, _cell_before(t, brick, code, u_bits, i - ui, j - uj, k - uk), first + 1)
+    # Within a merged cell; or along its border, as whole cells are merged.
+    if b == c and c == d:
+        return count
+    if code & u_bits != 0 and code & v_bits != 0:
+        across = _cell_of_code(t, brick, stepped_back(stepped_back(code, u_bits), v_bits))
+    else:
+        across = cell_at(t, i - ui - vi, j - uj - vj, k - uk - vk)
+    a = _vertex(t, across, first + 3)
+    if (a == b and c == d) or (a == d and b == c):
+        return count
     u0, v0 = np.float64(i * ui + j * uj + k * uk), np.float64(i * vi + j * vj + k * vk)
     origin = (i if axis == 0 else j if axis == 1 else k) // BRICK * BRICK
     place = np.float64(t.crossings[3 * cell + axis]) + np.float64(origin)
@@ -228,5 +259,27 @@ def write_faces(tables, brick, out):
         i, j, k = place_of_cell(t, brick, cell)
         for axis in range(3):
             if (case ^ case >> (1 << axis)) & 1 != 0:
-                count = _write_edge(t, out, count, cell, np.int64(axis), i, j, k)
+                count = _write_edge(t, out, count, np.int64(brick), cell, np.int64(axis), i, j, k)
+    return count
+
+
+@kernel
+def put_together(places, cell, low, triangles, numbers, vertices):
+    """Number the components that triangles (m, 3) name, and write their places in the world into `vertices` (n, 3).
+
+    `numbers` (n,) int32 is 0 at first. The triangles name the vertices then; returns how many there are.
+    """
+    for row in range(triangles.shape[0]):
+        for corner in range(3):
+            numbers[triangles[row, corner]] = 1
+    count = np.int64(0)
+    for component in range(numbers.shape[0]):
+        if numbers[component] != 0:
+            for axis in range(3):
+                vertices[count, axis] = places[component, axis] * cell + low[axis]
+            numbers[component] = np.int32(count)
+            count += 1
+    for row in range(triangles.shape[0]):
+        for corner in range(3):
+            triangles[row, corner] = numbers[triangles[row, corner]]
     return count

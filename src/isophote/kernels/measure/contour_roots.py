@@ -30,19 +30,29 @@ _ZERO, _HALF, _ONE, _TINY = np.float32(0), np.float32(0.5), np.float32(1), np.fl
 def _load_edges(work, begin, size, padded):
     """Fill the batch with edges `begin` and on; the last one fills up the last vector."""
     roots, points = work.roots, work.points
-    for lane in range(padded):
-        start = np.int64(work.starts[begin + min(lane, size - 1)])
-        axis, sample = start // BLOCK_SAMPLES, start % BLOCK_SAMPLES
-        end = sample + (1 if axis == 0 else _SIDE if axis == 1 else _SIDE * _SIDE)
+    for lane in range(size):
+        start = np.int64(work.starts[begin + lane])
+        axis, sample = np.int64(0), start
+        end = sample + 1
+        if start >= 2 * BLOCK_SAMPLES:
+            axis, sample = np.int64(2), start - 2 * BLOCK_SAMPLES
+            end = sample + _SIDE * _SIDE
+        elif start >= BLOCK_SAMPLES:
+            axis, sample = np.int64(1), start - BLOCK_SAMPLES
+            end = sample + _SIDE
         for k in range(INPUTS):
-            p = points[k * POINTS + sample]
-            roots[(_STARTS + k) * _BATCH + lane] = p
-            roots[(_STEPS + k) * _BATCH + lane] = points[k * POINTS + end] - p
-        fa, fb = work.values[sample], work.values[end]
-        roots[_TA * _BATCH + lane], roots[_FA * _BATCH + lane] = _ZERO, fa
-        roots[_TB * _BATCH + lane], roots[_FB * _BATCH + lane] = _ONE, fb
-        roots[_LAST * _BATCH + lane] = _ZERO
-        roots[_RANGE * _BATCH + lane] = abs(fa - fb)
+            roots[(_STARTS + k) * _BATCH + lane] = points[k * POINTS + sample]
+            roots[(_STEPS + k) * _BATCH + lane] = _ZERO
+        roots[(_STEPS + axis) * _BATCH + lane] = points[axis * POINTS + end] - points[axis * POINTS + sample]
+        roots[_FA * _BATCH + lane], roots[_FB * _BATCH + lane] = work.values[sample], work.values[end]
+    for lane in range(size, padded):
+        for row in range(_FB + 1):
+            roots[row * _BATCH + lane] = roots[row * _BATCH + size - 1]
+    for j in range(0, padded, 16):
+        store16(roots, _TA * _BATCH + j, splat16(_ZERO))
+        store16(roots, _TB * _BATCH + j, splat16(_ONE))
+        store16(roots, _LAST * _BATCH + j, splat16(_ZERO))
+        store16(roots, _RANGE * _BATCH + j, absolute(_row(roots, _FA, j) - _row(roots, _FB, j)))
 
 
 @device
@@ -131,15 +141,18 @@ def _finish(work, j, result):
 
 
 @device
-def _write_crossing(work, crossing, t, x0, y0, z0):
-    """The place of a crossing in the brick, in cells."""
-    start = np.int64(work.starts[crossing])
-    axis, sample = start // BLOCK_SAMPLES, start % BLOCK_SAMPLES
-    at = crossing * CROSSING
-    work.crossings[at] = np.float32(x0 + sample % _SIDE)
-    work.crossings[at + 1] = np.float32(y0 + sample // _SIDE % _SIDE)
-    work.crossings[at + 2] = np.float32(z0 + sample // (_SIDE * _SIDE))
-    work.crossings[at + axis] += t
+def _write_places(work, begin, size, x0, y0, z0):
+    """The places of a batch's crossings in the brick, in cells."""
+    for lane in range(size):
+        start = np.int64(work.starts[begin + lane])
+        axis = np.int64(start >= BLOCK_SAMPLES) + np.int64(start >= 2 * BLOCK_SAMPLES)
+        sample = start - axis * BLOCK_SAMPLES
+        layer, at = sample // (_SIDE * _SIDE), (begin + lane) * CROSSING
+        row = sample // _SIDE
+        work.crossings[at] = np.float32(x0 + sample - row * _SIDE)
+        work.crossings[at + 1] = np.float32(y0 + row - layer * _SIDE)
+        work.crossings[at + 2] = np.float32(z0 + layer)
+        work.crossings[at + axis] += work.roots[_T * _BATCH + lane]
 
 
 @device
@@ -173,5 +186,4 @@ def find_roots(grid, work, count, crossings, x0, y0, z0):
             _secant(work.roots, j)
             if grid.sharp != 0:
                 _write_normals(grid, work, count, begin, size, j)
-        for lane in range(size):
-            _write_crossing(work, begin + lane, work.roots[_T * _BATCH + lane], x0, y0, z0)
+        _write_places(work, begin, size, x0, y0, z0)

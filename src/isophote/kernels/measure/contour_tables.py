@@ -67,6 +67,8 @@ CONTOUR = Table(
     face_edges=INTS,
     inner_edges=INTS,
     outer_edges=INTS,
+    # Where the cell of each code lies in its block: x + 16 y + 256 z.
+    places=INTS,
 )
 
 WORK = Table(
@@ -85,6 +87,7 @@ WORK = Table(
     values=FLOATS,
     signs=INTS,
     rows_of_signs=INTS,
+    crossed_cells=INTS,
     crossing_of=INTS,
     starts=INTS,
     roots=FLOATS,
