@@ -59,8 +59,8 @@ def join(nodes, blocks, vertices, triangles, flat, begin, end, pairs, most):
     """Find the pairs whose first triangle is in slots `begin` to `end` of `blocks`; write what fits into `pairs`.
 
     `nodes`, `blocks`: the tree (accel/layout.py) over `triangles` (m, 3), rows of `vertices` (n, 3), in which one place
-    has one row; rounding that keeps the order of coordinates may lie between the two. Returns how many pairs there are, or a
-    number beyond `most` as soon as there are more.
+    has one row; rounding that keeps the order of coordinates may lie between the two. Returns how many pairs there are,
+    or a number beyond `most` as soon as there are more.
     """
     stack = np.empty(STACK, np.float32)
     found = np.int64(0)
