@@ -69,16 +69,16 @@ def values(source: str, name: str, points: np.ndarray, grids: Iterable[GlslGrid]
     return np.frombuffer(target.read(components=1, dtype="f4"), np.float32)[: len(points)]
 
 
-def picture(fragment: str, size: tuple[int, int], grids: Iterable[GlslGrid] = (), **uniforms: Any) -> np.ndarray:
+def picture(fragment: str, pixels: tuple[int, int], grids: Iterable[GlslGrid] = (), **uniforms: Any) -> np.ndarray:
     """(h, w, 3) bytes that a fragment shader paints, from the top."""
     gl = context()
     program = gl.program(vertex_shader=VERTEX, fragment_shader=fragment)
-    target = gl.framebuffer([gl.texture(size, 4)])
+    target = gl.framebuffer([gl.texture(pixels, 4)])
     target.use()
-    gl.viewport = (0, 0, *size)
+    gl.viewport = (0, 0, *pixels)
     textures = _bind(program, grids)
     for uniform, value in uniforms.items():
         program[uniform].value = value
     gl.vertex_array(program, []).render(mode=gl.TRIANGLES, vertices=3)
     del textures
-    return np.frombuffer(target.read(components=3), np.uint8).reshape(size[1], size[0], 3)[::-1]
+    return np.frombuffer(target.read(components=3), np.uint8).reshape(pixels[1], pixels[0], 3)[::-1]

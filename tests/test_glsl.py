@@ -17,6 +17,7 @@ from isophote.shapes.field.operators import OPERATORS
 from isophote.shapes.field.rounds import cylinder
 from isophote.shapes.field.solids import box, sphere
 from isophote.shapes.field.tape import numpy_values
+from isophote.shapes.field.vary import with_values
 from shaders import values
 
 RANDOM = np.random.default_rng(5)
@@ -134,3 +135,11 @@ def test_outlines_are_sampled() -> None:
     exact = square.value(points[:, 0], points[:, 1]) - 0.5
     near = np.abs(exact + 0.5) < 0.04
     np.testing.assert_allclose(found[near], exact[near], atol=2e-3)
+
+
+def test_parameters_take_other_values() -> None:
+    ball = sphere(Parameter("r", 1.0, 0.5, 2.0)).translate((Parameter("x", 0.0, -1.0, 1.0), 0, 0)) | box(1)
+    assert Field(with_values(ball.form, {"r": 2.0, "other": 9.0})).bounds[1, 0] == pytest.approx(2.0, abs=0.05)
+    moved = with_values(ball.form, {"x": 1.0})
+    np.testing.assert_allclose(Field(moved)([(1.0, 0, 0)]), -1.0)
+    assert with_values(ball.form, {}) == ball.form

@@ -1,5 +1,8 @@
-const int MAX_STEPS = 256;
+// Sphere tracing of one field above a ground, as kernels/trace/sphere_*.py do it.
+
+const int MAX_STEPS = 512;
 const float PI = 3.14159265358979;
+const float FAR = 1e30;
 
 uniform vec2 size;
 uniform int samples;
@@ -11,23 +14,37 @@ out vec4 pixel;
 // How far the surface certainly is from p.
 float clearance(vec3 p) { return field(p) / LIPSCHITZ; }
 
-// Where a ray meets the field, or -1.
-float march(vec3 o, vec3 d, float near, float far, float footprint) {
+float distanceToBox(vec3 p) { return length(max(max(BOX_LOW - p, p - BOX_HIGH), 0.0)); }
+
+// Where a ray is within the box that holds the field; near > far where it is not.
+vec2 reach(vec3 o, vec3 d) {
+    vec3 inverse = 1.0 / mix(d, vec3(1e-30), equal(d, vec3(0.0)));
+    vec3 a = (BOX_LOW - o) * inverse, b = (BOX_HIGH - o) * inverse;
+    vec3 first = min(a, b), last = max(a, b);
+    return vec2(max(max(first.x, max(first.y, first.z)), 0.0), min(last.x, min(last.y, last.z)));
+}
+
+// The crossing next to where a ray came near the surface, or that place itself where there is none.
+float refined(vec3 o, vec3 d, float near, float around) {
     float t = near;
-    for (int i = 0; i < MAX_STEPS && t < far; ++i) {
+    for (int i = 0; i < 32 && t < near + around; ++i) {
         float h = clearance(o + d * t);
-        if (h <= footprint * t) return t;
+        if (h <= SURFACE) return t + h;
+        t += h;
+    }
+    return near;
+}
+
+// Where a ray meets the field, or -1; `growth` is how much wider a quarter of its pixel gets along the way.
+float march(vec3 o, vec3 d, float growth) {
+    vec2 span = reach(o, d);
+    float t = span.x;
+    for (int i = 0; i < MAX_STEPS && t < span.y; ++i) {
+        float h = clearance(o + d * t);
+        if (h < growth * t) return refined(o, d, t, 2.0 * growth * t);
         t += h;
     }
     return -1.0;
-}
-
-// Where a ray crosses the sphere that holds the field; near > far where it does not.
-vec2 reach(vec3 o, vec3 d) {
-    vec3 c = o - CENTRE;
-    float b = dot(c, d), q = RADIUS * RADIUS - (dot(c, c) - b * b);
-    if (q < 0.0) return vec2(1.0, 0.0);
-    return vec2(max(-b - sqrt(q), 0.0), -b + sqrt(q));
 }
 
 vec3 normalAt(vec3 p) {
@@ -35,53 +52,64 @@ vec3 normalAt(vec3 p) {
     return normalize(e.xyy * field(p + e.xyy) + e.yyx * field(p + e.yyx) + e.yxy * field(p + e.yxy) + e.xxx * field(p + e.xxx));
 }
 
-// Share of a light of size `spread` (tangent of its angle) that is seen, by the smallest clearance along the way.
-float lit(vec3 p, vec3 d, float far, float spread) {
-    vec2 span = reach(p, d);
-    float seen = 1.0, t = max(span.x, SURFACE);
-    far = min(far, span.y);
-    for (int i = 0; i < MAX_STEPS && t < far; ++i) {
-        float h = clearance(p + d * t);
-        seen = min(seen, h / (spread * t));
-        if (seen < -1.0) break;
-        t += clamp(abs(h), 0.1 * spread * t + SURFACE, 0.2 * RADIUS);
+// What is left of a light at a distance, seen under an angle of half width atan(width).
+float lit(vec3 p, vec3 d, float far, float width) {
+    float light = 1.0, t = SIDE / 1024.0, before = FAR;
+    float end = min(far, 4.0 * (SIDE + distanceToBox(p)));
+    for (int i = 0; i < MAX_STEPS && t < end; ++i) {
+        vec3 q = p + d * t;
+        float away = distanceToBox(q);
+        if (away > 0.0 && away >= width * light * t) {
+            t += max(away, 0.01 * t);
+            before = FAR;
+            continue;
+        }
+        float h = clearance(q);
+        if (h <= 0.0) return 0.0;
+        // Where the field rises, the nearest approach is behind, and the last step has told of it.
+        float y = h < before ? h * h / (2.0 * before) : 0.0;
+        light = min(light, sqrt(max(h * h - y * y, 0.0)) / (width * (t - y)));
+        if (light <= 1e-3) return 0.0;
+        before = h;
+        t += max(h, 0.01 * t);
     }
-    seen = clamp(seen * 0.5 + 0.5, 0.0, 1.0);
-    return seen * seen * (3.0 - 2.0 * seen);
+    return light;
 }
 
-// Share of the sky that is seen, from a few clearances along the normal.
+// Share of the sky that is seen, from a few values along the normal.
 float open(vec3 p, vec3 n) {
-    float hidden = 0.0, weight = 0.5;
+    float seen = 1.0, weight = 1.0;
     for (int i = 1; i <= 5; ++i) {
-        float step = OCCLUSION * float(i) / 5.0;
-        hidden += weight * max(step - clearance(p + n * step), 0.0) / step;
+        float h = OCCLUSION * float(i) / 5.0;
+        vec3 q = p + n * h;
         weight *= 0.5;
+        float value = distanceToBox(q) < h ? field(q) : h;
+        seen -= weight / (1.0 - 1.0 / 32.0) * clamp((h - value) / h, 0.0, 1.0);
     }
-    return clamp(1.0 - hidden, 0.0, 1.0);
+    return seen;
 }
 
 vec3 shade(vec3 p, vec3 n, vec3 albedo) {
+    vec3 light = SKY * open(p, n);
     vec3 way = KEY_PLACE - p;
     float far = length(way);
-    vec3 l = way / far;
-    float cosine = dot(n, l), facing = max(dot(KEY_FACING, -l), 0.0);
-    vec3 light = SKY * open(p + n * SURFACE, n);
-    if (cosine > 0.0 && facing > 0.0)
-        light += KEY_INTENSITY * facing / (PI * far * far) * cosine * lit(p + n * SURFACE, l, far, KEY_SIZE / far);
+    vec3 d = way / far;
+    float cosine = dot(n, d), faces = max(dot(KEY_FACING, -d), 0.0);
+    if (cosine > 0.0 && faces > 0.0)
+        light += KEY_INTENSITY * (faces / (far * far) * cosine / PI) * lit(p + n * SURFACE, d, far, KEY_RADIUS * sqrt(faces) / far);
     return albedo * light;
 }
 
-vec3 radiance(vec3 d, float footprint) {
-    vec2 span = reach(eye, d);
-    float t = span.x > span.y ? -1.0 : march(eye, d, span.x, span.y, footprint);
-    float ground = d.y < 0.0 ? (GROUND - eye.y) / d.y : -1.0;
-    if (t >= 0.0 && (ground <= 0.0 || t < ground)) {
-        vec3 p = eye + d * t;
-        return shade(p, normalAt(p), ALBEDO);
+vec3 radiance(vec3 d, float growth) {
+    float t = march(eye, d, growth);
+    float down = d.y != 0.0 ? (GROUND.y - eye.y) / d.y : -1.0;
+    vec3 place = eye + d * down;
+    bool ground = down > 0.0 && all(lessThan(abs(place.xz - GROUND.xz), vec2(GROUND_REACH)));
+    if (t >= 0.0 && !(ground && down < t)) {
+        vec3 p = eye + d * t, n = normalAt(p);
+        return shade(p, dot(n, d) < 0.0 ? n : -n, ALBEDO);
     }
-    if (ground > 0.0 && ground < GROUND_REACH) return shade(eye + d * ground, vec3(0.0, 1.0, 0.0), GROUND_ALBEDO);
-    return SKY;
+    return ground ? shade(place, vec3(0.0, d.y < 0.0 ? 1.0 : -1.0, 0.0), GROUND_ALBEDO) : SKY;
 }
 
 vec3 encoded(vec3 c) {
@@ -95,8 +123,9 @@ void main() {
     for (int i = 0; i < samples * samples; ++i) {
         vec2 at = gl_FragCoord.xy - 0.5 + (vec2(i % samples, i / samples) + 0.5) / float(samples);
         vec2 place = (at - 0.5 * size) * scale;
-        vec3 d = normalize(place.x * cameraRight + place.y * cameraUp - cameraBack);
-        total += radiance(d, 0.5 * scale);
+        vec3 d = place.x * cameraRight + place.y * cameraUp - cameraBack;
+        float far = length(d);
+        total += radiance(d / far, 0.25 * scale / far);
     }
     pixel = vec4(encoded(total / float(samples * samples)), 1.0);
 }

@@ -12,6 +12,7 @@ from string import Template
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from isophote import __version__
 from isophote.convert.glsl import GlslField, to_glsl
@@ -24,11 +25,14 @@ from isophote.scene.material import Matte
 from isophote.scene.scene import Scene
 from isophote.scene.studio import studio
 from isophote.shapes.field.field import Field
+from isophote.shapes.field.vary import with_values
 
 __all__ = ["page_of", "write_html"]
 
 # Where no Lipschitz constant is known, steps are this part of the field's value.
 _CAREFUL = 2.0
+# Rays enter a field so far beyond its bounds, in parts of its longest edge.
+_BEYOND = 2.0**-8
 
 
 def write_html(path: StrPath, shape: Field, title: str | None = None) -> None:
@@ -115,31 +119,40 @@ def _view(scene: Scene) -> dict[str, Any]:
 
 def _constants(glsl: GlslField, scene: Scene, shape: Field) -> list[tuple[str, str, str]]:
     """What the shader knows of the studio: type, name and value of each constant."""
-    box = np.asarray(shape.bounds, np.float64)
-    centre, radius = box.mean(axis=0), float(np.linalg.norm(box[1] - box[0])) / 2
+    box = _box(shape)
+    edge, diagonal = float((box[1] - box[0]).max()), float(np.linalg.norm(np.diff(shape.bounds, axis=0)))
     key = next(light for light in scene.lights if isinstance(light, RectLight))
     sky = next(light for light in scene.lights if isinstance(light, Sky))
-    place = key.transform.matrix[:3, 3]
-    facing = -key.transform.matrix[:3, 1]
     ground = scene.items[-1]
+    low, high = np.asarray(ground.bounds)
     steps = glsl.lipschitz if math.isfinite(glsl.lipschitz) and glsl.lipschitz > 0 else _CAREFUL
     return [
         ("float", "LIPSCHITZ", _number(max(steps, 1e-6))),
-        ("vec3", "CENTRE", _vector(centre)),
-        ("float", "RADIUS", _number(radius * 1.01)),
-        ("float", "SURFACE", _number(radius * 1e-4)),
-        ("float", "NORMAL_STEP", _number(radius * 2e-4)),
-        ("float", "OCCLUSION", _number(radius * 0.25)),
+        ("vec3", "BOX_LOW", _vector(box[0] - _BEYOND * edge)),
+        ("vec3", "BOX_HIGH", _vector(box[1] + _BEYOND * edge)),
+        ("float", "SIDE", _number(edge * (1 + 4 * _BEYOND))),
+        ("float", "SURFACE", _number(diagonal * 1e-6)),
+        ("float", "NORMAL_STEP", _number(diagonal * 1e-4)),
+        ("float", "OCCLUSION", _number(diagonal / 12)),
         ("vec3", "ALBEDO", _vector(_albedo(scene.items[0].material))),
+        ("vec3", "GROUND", _vector((low + high) / 2)),
         ("vec3", "GROUND_ALBEDO", _vector(_albedo(ground.material))),
-        ("float", "GROUND", _number(float(ground.bounds[0, 1]))),
-        ("float", "GROUND_REACH", _number(radius * 100)),
-        ("vec3", "KEY_PLACE", _vector(place)),
-        ("vec3", "KEY_FACING", _vector(facing / np.linalg.norm(facing))),
+        ("float", "GROUND_REACH", _number(float(high[0] - low[0]) / 2)),
+        ("vec3", "KEY_PLACE", _vector(key.position)),
+        ("vec3", "KEY_FACING", _vector(-key.transform.matrix[:3, 1])),
         ("vec3", "KEY_INTENSITY", _vector(np.array(key.radiance_rgb) * key.area)),
-        ("float", "KEY_SIZE", _number(math.sqrt(key.area / math.pi))),
+        ("float", "KEY_RADIUS", _number(math.sqrt(key.area / math.pi))),
         ("vec3", "SKY", _vector(np.array(sky.radiance_rgb))),
     ]
+
+
+def _box(shape: Field) -> npt.NDArray[np.float64]:
+    """A box that holds the field wherever its sliders stand: at their ends, all of them or one by one."""
+    parameters = {p.name: p for p in to_glsl(shape).parameters}
+    ends = [{name: getattr(p, end) for name, p in parameters.items()} for end in ("low", "high")]
+    ends += [{name: getattr(p, end)} for name, p in parameters.items() for end in ("low", "high")]
+    boxes = np.stack([shape.bounds, *(with_values(shape.form, values).bounds for values in ends)])
+    return np.stack([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])
 
 
 def _albedo(material: object) -> tuple[float, float, float]:
