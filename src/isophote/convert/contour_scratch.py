@@ -113,6 +113,7 @@ def new_work(rows: Any, data: Packed, components: int) -> Packed:
         labels=ints(64),
         numbers=ints(clusters),
         levels=np.zeros(clusters, np.uint8),
+        unmerged=np.zeros(16**3 + 8**3 + 4**3 + 2**3, np.uint8),
     )
     return Packed(packed.words, packed.arrays | {"runs": tuple(runs)})
 

@@ -124,9 +124,9 @@ def _height(t, axis, a, b, c, u0, v0):
     area = bu * cv - bv * cu
     if area == 0.0:
         return np.inf
-    s = ((u0 - p[a, u]) * cv - (v0 - p[a, v]) * cu) / area
-    r = (bu * (v0 - p[a, v]) - bv * (u0 - p[a, u])) / area
-    return p[a, axis] + s * bw + r * cw
+    s = (u0 - p[a, u]) * cv - (v0 - p[a, v]) * cu
+    r = bu * (v0 - p[a, v]) - bv * (u0 - p[a, u])
+    return p[a, axis] + (s * bw + r * cw) / area
 
 
 @device

@@ -8,6 +8,9 @@ eight children of a larger cell that share crossings become one there, if
 - the new vertex is no farther than `reach` from the planes of every component of the smallest cells in it, as the root
   of the mean square over each of these.
 
+- no cell half as large, in it or beside it in the brick, has components that were not merged that far: sizes of cells
+  change step by step, or triangles between large cells and small ones would fold over.
+
 The first two make the mesh of merged cells a closed manifold, as that of the smallest cells is: two components then
 meet along one curve at most, and so two vertices share one edge at most (after Schaefer, Ju, Warren, "Manifold dual
 contouring", 2007, whose conditions are the same in substance). Components of cells with ambiguous faces stay as they
@@ -159,6 +162,39 @@ def _take_outer(grid, work, part, made):
 
 
 @device
+def _grade(level):
+    """Where the marks of the cells of a level start, and how many cells there are along the brick."""
+    along = np.int64(BRICK) >> level
+    # Those of the levels before: 16³, 8³ and so on.
+    before = (np.int64(BRICK * BRICK * BRICK) - 8 * along * along * along) // 7
+    return before, along
+
+
+@device
+def _is_graded(work, code, level):
+    """Whether all cells of the level below, in a cell or beside it, are merged."""
+    start, along = _grade(level - 1)
+    x, y, z = 2 * unpacked(code), 2 * unpacked(code >> 1), 2 * unpacked(code >> 2)
+    for k in range(max(z - 1, _ZERO), min(z + 3, along)):
+        for j in range(max(y - 1, _ZERO), min(y + 3, along)):
+            for i in range(max(x - 1, _ZERO), min(x + 3, along)):
+                if work.unmerged[start + (k * along + j) * along + i] != 0:
+                    return False
+    return True
+
+
+@device
+def _mark_unmerged(work, component, level):
+    """Mark the cells of a level and of all above that hold a component of the level below, which was not merged."""
+    code = np.int64(work.codes[component])
+    while 1 << level < BRICK:
+        code >>= 3
+        start, along = _grade(level)
+        work.unmerged[start + (unpacked(code >> 2) * along + unpacked(code >> 1)) * along + unpacked(code)] = 1
+        level += 1
+
+
+@device
 def _propose(grid, work, first, count, label, made, pending):
     """Make component `made` of a group, if it may be; its parts into row `pending` of the members. Their number, or 0.
 
@@ -251,7 +287,7 @@ def _merge_level(grid, work, made, entries, level):
         while end < entries and work.codes[work.list[end]] >> 3 == parent:
             end += 1
         count = end - first
-        if count <= _MOST:
+        if count <= _MOST and (level < 2 or _is_graded(work, np.int64(parent), level)):
             _label(work, first, count)
             for label in range(count):
                 if work.labels[label] != label:
@@ -268,6 +304,9 @@ def _merge_level(grid, work, made, entries, level):
                     pending = 0
         first = end
     kept = _settle(grid, work, made, pending, level, kept)
+    for entry in range(entries):
+        if work.parents[work.list[entry]] < 0:
+            _mark_unmerged(work, np.int64(work.list[entry]), level)
     return made + pending, kept
 
 
@@ -277,11 +316,15 @@ def merge_components(grid, work, components):
 
     `numbers` is -1 for those that came to nothing.
     """
+    for mark in range(work.unmerged.rows):
+        work.unmerged[mark] = 0
     entries = _ZERO
     for component in range(components):
         if work.masks[component] & BLOCKED == 0:
             work.list[entries] = np.int32(component)
             entries += 1
+        else:
+            _mark_unmerged(work, component, np.int64(1))
     made, level = np.int64(components), np.int64(1)
     while entries > 0 and 1 << level <= BRICK:
         made, entries = _merge_level(grid, work, made, entries, level)

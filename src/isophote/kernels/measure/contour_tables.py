@@ -109,6 +109,8 @@ WORK = Table(
     labels=INTS,
     numbers=INTS,
     levels=BYTES,
+    # Marks of the cells of 2, 4, 8 and 16 cells of a brick that hold something not merged that far.
+    unmerged=BYTES,
 )
 
 OUTPUT = Table(
