@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from isophote.kernels.base.jit import exact_device
+from isophote.kernels.base.jit import exact_apart, exact_device
 from isophote.kernels.base.predicates import orient2d, orient3d
 
 __all__ = ["is_flat", "triangles_meet"]
@@ -36,7 +36,7 @@ def _line_side(v, axis, a, b, c):
     return orient2d(v[a, i], v[a, j], v[b, i], v[b, j], v[c, i], v[c, j])
 
 
-@exact_device
+@exact_apart
 def _open_axis(v, a, b, c):
     """An axis along which a, b, c are not seen on one line; -1 if they lie on one."""
     for axis in range(3):
@@ -174,7 +174,7 @@ def _runs_into(v, a, p, d, e):
     return _line_side(v, axis, a, d, p) * front >= 0 and _line_side(v, axis, a, p, e) * front >= 0
 
 
-@exact_device
+@exact_apart
 def _lines_meet(v, p, q, r, s, shared, first, last):
     """Segments p to q and r to s, each given in order, that share `shared` numbered points from `first` to `last`."""
     if _open_axis(v, p, q, r) < 0 and _open_axis(v, p, q, s) < 0 and _open_axis(v, r, s, p) < 0:
@@ -214,7 +214,7 @@ def _shares(a, s):
     return a == s[0] or a == s[1] or a == s[2]
 
 
-@exact_device
+@exact_apart
 def _flat_pair(v, t, s, t_flat, s_flat):
     shared, first, last = _NONE, t[0], t[0]
     for k in range(3):
@@ -226,7 +226,7 @@ def _flat_pair(v, t, s, t_flat, s_flat):
         shared += 1
     if t_flat:
         return _flat_meets(v, t, s, shared, first, last, s_flat)
-    return _flat_meets(v, s, t, shared, first, last, False)
+    return _flat_meets(v, s, t, shared, first, last, t_flat)
 
 
 @exact_device

@@ -22,7 +22,7 @@ import math
 import numpy as np
 
 from isophote.kernels.accel.layout import BLOCK, CHILD, LANES, NODE, NUMBER, UPPER, WIDTH
-from isophote.kernels.base.jit import device, exact_device, kernel
+from isophote.kernels.base.jit import device, exact_apart, exact_device, kernel
 from isophote.kernels.base.predicates import ORIENT2D_BOUND, ORIENT3D_BOUND, orient2d, orient3d
 from isophote.kernels.base.simd import (
     absolute,
@@ -102,7 +102,7 @@ def _moved_below(c, slot):
     return _NOTHING
 
 
-@exact_device
+@exact_apart
 def _meet_closely(x, y, z, up, c, slot):
     """`_meet`, by exact signs."""
     below = orient3d(
