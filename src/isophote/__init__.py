@@ -44,6 +44,7 @@ _HOME = {
     "SceneError": "errors",
     "Sky": "scene.light",
     "SphereLight": "scene.light",
+    "SphereTrace": "rendering.sphere_trace",
     "Sun": "scene.light",
     "Texture": "scene.texture",
     "Tracer": "rendering.tracer",

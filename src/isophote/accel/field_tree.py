@@ -15,7 +15,7 @@ from isophote.kernels.accel.field_layout import CHILDREN, FIRST_TAPE, NODE
 from isophote.kernels.forms.opcodes import INPUTS, ROW
 from isophote.kernels.forms.tape_interval import REGION_SLOT
 
-__all__ = ["FieldTree", "build_field_tree"]
+__all__ = ["FieldTree", "build_field_tree", "warm_field_trees"]
 
 Ints: TypeAlias = npt.NDArray[np.int32]
 Floats: TypeAlias = npt.NDArray[np.float32]
@@ -124,6 +124,13 @@ def build_field_tree(
     return FieldTree(1, np.concatenate(nodes).reshape(-1), store.all_tapes(), store.all_rows(), depth)
 
 
+def warm_field_trees() -> None:
+    """Compile what builds trees: no regions need no tape."""
+    none, places = np.zeros((0, 2), np.int32), np.zeros((0, 3), np.int32)
+    frame = (np.zeros(3, np.float32), np.float32(1), np.float32(0), False)
+    _split(np.zeros(0, np.int32), np.zeros(3, np.int64), none, places, frame, 0, 0)
+
+
 def _chosen(store: _Store, states: Ints, tapes: Ints, depth: int, nodes: int) -> npt.NDArray[np.bool_]:
     """Which children are split in their turn, where the tree has so many nodes already."""
     if depth > _LEVELS:
@@ -182,7 +189,7 @@ def _split(
     first: int,
     last: int,
 ) -> _Split:
-    count, longest = last - first, int(tapes[first:last, 1].max())
+    count, longest = last - first, int(tapes[first:last, 1].max(initial=0))
     states, child_tapes = np.empty((count, CHILDREN), np.int32), np.empty((count, CHILDREN), np.int32)
     out = np.empty(CHILDREN * int(tapes[first:last, 1].sum() + 1) * ROW, np.int32)
     out_tapes = np.empty((CHILDREN * count, 2), np.int32)

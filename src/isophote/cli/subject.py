@@ -20,9 +20,12 @@ __all__ = ["Subject", "load_shape", "load_subject", "strictly"]
 
 Subject: TypeAlias = Scene | Item | Shape
 
+_SHAPE_NAMES = ("part", "shape")
+
 
 def load_subject(path: Path, *, strict: bool = False) -> Subject:
-    """What a file describes: `scene` or else `shape` of a Python file, otherwise the scene in a model.
+    """What a file describes: of a Python file `scene`, or else `part`, `shape` or its only shape; otherwise the scene
+    in a model.
 
     A Python file runs in its own folder: it imports its neighbours and names files from there. Its `__name__` is not
     "__main__", and what it prints goes to stderr. With `strict`, whatever would be a warning is an error. Raises
@@ -40,12 +43,12 @@ def load_shape(path: Path) -> Shape:
     It runs as `load_subject` runs it. Raises `FileError`.
     """
     defined = _run(path)
-    for name in ("part", "shape"):
+    for name in _SHAPE_NAMES:
         if name in defined:
             shape: Shape = defined[name]
             break
     else:
-        named = {name: value for name, value in defined.items() if is_shape(value) and not name.startswith("_")}
+        named = _shapes(defined)
         if len({id(value) for value in named.values()}) != 1:
             several = f"several shapes ({', '.join(named)})" if named else "no shape"
             raise FileError(path, f"defines {several}; write `part = ...` for the one that is meant")
@@ -68,10 +71,19 @@ def strictly(path: Path) -> Iterator[None]:
 
 def _from_python(path: Path) -> Subject:
     defined = _run(path)
-    for name in ("scene", "shape"):
+    for name in ("scene", *_SHAPE_NAMES):
         if name in defined:
             return _checked(path, name, defined[name])
-    raise FileError(path, "defines neither `scene` nor `shape`; write `scene = isophote.Scene(...)`")
+    shapes = _shapes(defined)
+    if len({id(shape) for shape in shapes.values()}) == 1:
+        return next(iter(shapes.values()))
+    several = f" but several shapes ({', '.join(shapes)})" if shapes else ""
+    raise FileError(path, f"defines neither `scene` nor `shape`{several}; write `scene = isophote.Scene(...)`")
+
+
+def _shapes(defined: dict[str, Any]) -> dict[str, Shape]:
+    """The shapes among a file's global names."""
+    return {name: value for name, value in defined.items() if is_shape(value) and not name.startswith("_")}
 
 
 def _checked(path: Path, name: str, value: Any) -> Subject:

@@ -11,19 +11,17 @@ import numpy.typing as npt
 from isophote.accel.field_tree import FieldTree, build_field_tree
 from isophote.accel.tree import build_boxes
 from isophote.errors import SceneError
-from isophote.kernels.accel import field_layout as layout
 from isophote.kernels.accel.field_layout import CHILDREN, FIELDS, FIRST_TAPE, NODE
 from isophote.kernels.accel.field_surface import field_surface
 from isophote.kernels.accel.field_trace import trace_field
-from isophote.kernels.accel.geometry import SCRATCH_WORDS
 from isophote.kernels.base.table import Packed
 from isophote.kernels.forms.tape_entries import pack_interpreters
+from isophote.lower.field_table import FieldPart
 from isophote.scene.scene import placed_box
 from isophote.shapes.field.evaluate import packed_data
-from isophote.shapes.field.field import Field
 from isophote.shapes.field.tape import tape_of
 
-__all__ = ["HORIZON", "FieldPart", "endless", "lower_fields", "no_fields", "scratch_words"]
+__all__ = ["HORIZON", "lower_fields"]
 
 Matrix: TypeAlias = npt.NDArray[np.float64]
 Ints: TypeAlias = npt.NDArray[np.int32]
@@ -39,15 +37,6 @@ _LEAST_STEP = 2.0**-22
 _LARGEST = 1e15
 
 
-class FieldPart(NamedTuple):
-    """An item that is a field: where it stands, its material's number, and its number for the user."""
-
-    field: Field
-    matrix: Matrix
-    material: int
-    public: int
-
-
 class _Lowered(NamedTuple):
     """One field: its tree, its tables of data, its cube, what rays are clipped to, and its box in the world."""
 
@@ -57,22 +46,6 @@ class _Lowered(NamedTuple):
     side: float
     clip: Matrix
     box: Matrix
-
-
-def endless(parts: Sequence[FieldPart]) -> bool:
-    """Whether any field has no finite bounds."""
-    return any(not np.isfinite(part.field.bounds).all() for part in parts)
-
-
-def scratch_words(fields: Packed) -> int:
-    """Words of scratch that rays through a scene with these fields need."""
-    longest = int(fields.arrays["longest"])
-    return SCRATCH_WORDS + (layout.field_scratch_words(longest) if len(fields.arrays["numbers"]) else 0)
-
-
-def no_fields() -> Packed:
-    """The table of a scene without fields: nothing is compiled for it."""
-    return _packed([], [], 0, (0, 0))
 
 
 def lower_fields(parts: Sequence[FieldPart], surface: int, around: Matrix, threads: int | None = None) -> Packed:
@@ -158,7 +131,7 @@ def _packed(parts: Sequence[FieldPart], found: Sequence[_Lowered], surface: int,
         trace=entries[0],
         surface=entries[1],
         longest=longest,
-        interpreters=pack_interpreters(bool(parts)),
+        interpreters=pack_interpreters(),
     )
     # The words of `data` point at tables that must live as long.
     return Packed(packed.words, packed.arrays | {"tables": tuple(one.data for one in found)})

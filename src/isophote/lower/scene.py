@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -11,7 +11,7 @@ import numpy.typing as npt
 from isophote.errors import SceneError
 from isophote.kernels.base.table import Packed
 from isophote.kernels.trace.tables import SCENE
-from isophote.lower.fields import FieldPart, endless, lower_fields, no_fields
+from isophote.lower.field_table import FieldPart, endless, no_fields
 from isophote.lower.geometry import Part, lower_geometry
 from isophote.lower.latest import Latest
 from isophote.lower.lights import LightTable, rectangle_mesh
@@ -19,8 +19,10 @@ from isophote.lower.materials import MaterialTable, emission_of
 from isophote.scene.light import RectLight
 from isophote.scene.material import Emitter
 from isophote.scene.scene import Scene, placed_box
-from isophote.shapes.field.field import Field
 from isophote.shapes.mesh import Mesh
+
+if TYPE_CHECKING:
+    from isophote.shapes.field.field import Field
 
 __all__ = ["lower_scene"]
 
@@ -62,7 +64,7 @@ def _tables(scene: Scene, parts: _Parts, threads: int | None) -> dict[str, Packe
     labels = [(part.material, part.public) for part in parts.fields]
     geometry, surfaces, bounds = lower_geometry(parts.meshes, labels, threads)
     finite = _finite_bounds(scene, bounds, parts.fields)
-    fields = lower_fields(parts.fields, len(parts.meshes), finite, threads) if parts.fields else no_fields()
+    fields = _fields(parts, finite, threads)
     reach = float(np.linalg.norm(finite[1] - finite[0])) / 2
     for number, light in enumerate(scene.lights, start=len(scene.items)):
         if not isinstance(light, RectLight):
@@ -76,6 +78,15 @@ def _tables(scene: Scene, parts: _Parts, threads: int | None) -> dict[str, Packe
         "textures": textures,
         "lights": parts.lights.build(reach),
     }
+
+
+def _fields(parts: _Parts, finite: npt.NDArray[np.float64], threads: int | None) -> Packed:
+    if not parts.fields:
+        return no_fields()
+    # Loaded where it is needed: pictures of meshes come sooner without.
+    from isophote.lower.fields import lower_fields
+
+    return lower_fields(parts.fields, len(parts.meshes), finite, threads)
 
 
 def _finite_bounds(
@@ -97,12 +108,8 @@ def _parts_of(scene: Scene) -> _Parts:
             radiance, two_sided = emission_of(item.material)
             own = parts.lights.add_mesh(item.shape, matrix, radiance, two_sided) if max(radiance) > 0 else None
             parts.meshes.append(Part(item.shape, matrix, material, number, own))
-        elif isinstance(item.shape, Field):
-            parts.fields.append(FieldPart(item.shape, matrix, material, number))
         else:
-            raise SceneError(
-                f"items[{number}]: a {type(item.shape).__name__} cannot be rendered; give a Mesh or a Field"
-            )
+            parts.fields.append(FieldPart(_field(item.shape, number), matrix, material, number))
     for number, light in enumerate(scene.lights, start=len(scene.items)):
         if isinstance(light, RectLight):
             mesh, matrix, radiance = rectangle_mesh(light), light.transform.matrix, light.radiance_rgb
@@ -110,3 +117,12 @@ def _parts_of(scene: Scene) -> _Parts:
             material = parts.materials.number(Emitter(radiance, two_sided=light.two_sided))
             parts.meshes.append(Part(mesh, matrix, material, number, own))
     return parts
+
+
+def _field(shape: object, number: int) -> Field:
+    """A shape that is no mesh. Raises `SceneError` unless it is a field in space."""
+    from isophote.shapes.field.field import Field
+
+    if isinstance(shape, Field):
+        return shape
+    raise SceneError(f"items[{number}]: a {type(shape).__name__} cannot be rendered; give a Mesh or a Field")

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from isophote.errors import RenderError
 from isophote.kernels.base.table import Packed
 from isophote.kernels.trace.first_hit import FEATURES, first_hits
-from isophote.lower.fields import scratch_words
+from isophote.lower.field_table import scratch_words
 from isophote.progress import Reporter
 from isophote.rendering.image import Image
 from isophote.rendering.pool import Pool

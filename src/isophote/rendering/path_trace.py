@@ -16,7 +16,7 @@ from isophote.kernels.light import film as film_kernels
 from isophote.kernels.trace.path import path_trace_tile
 from isophote.kernels.trace.tables import FILM, PLAN
 from isophote.kernels.trace.wave import new_wave
-from isophote.lower.fields import scratch_words
+from isophote.lower.field_table import scratch_words
 from isophote.lower.scene import lower_scene
 from isophote.rendering.image import Image
 from isophote.rendering.method import Array, Job, Size, first_hit_channels
@@ -88,7 +88,7 @@ class PathTrace:
 
     def render(self, job: Job) -> Image:
         """The path-traced picture."""
-        warm_up(job.report)
+        warm_up(job.report, job.scene, "path")
         began = time.monotonic()
         deadline = None if self.seconds is None else began + self.seconds
         job.report("building the tree", 0.0)

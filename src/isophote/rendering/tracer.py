@@ -13,7 +13,7 @@ from isophote.errors import RenderError
 from isophote.kernels.base.table import Packed
 from isophote.kernels.trace.rays import QUERY, closest_rays, hit_normals, occluded_rays
 from isophote.kernels.trace.wave import new_wave
-from isophote.lower.fields import scratch_words
+from isophote.lower.field_table import scratch_words
 from isophote.lower.scene import lower_scene
 from isophote.rendering.pool import Pool
 from isophote.scene.camera import Camera

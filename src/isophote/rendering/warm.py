@@ -5,32 +5,31 @@ from __future__ import annotations
 import gc
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numba.core import event
 
-from isophote.accel.tree import build_triangles
+from isophote import kernels
 from isophote.kernels.base.cache import is_compiled
 from isophote.kernels.base.table import Table
-from isophote.kernels.trace import first_hit, path, tables, wave
+from isophote.kernels.trace import tables, wave
 from isophote.progress import Reporter
+from isophote.scene.scene import Scene
+from isophote.shapes.mesh import Mesh
 
-__all__ = ["compiled", "warm_up"]
+__all__ = ["compile_parts", "compiled", "warm_up"]
 
 STAGE = "compiling kernels (first use on this machine)"
 
 # Functions that one picture compiles; only the bar depends on it.
 _FUNCTIONS = 100
-_OTHER_PROCESS = "from isophote.rendering.warm import compile_others; compile_others()"
+_OTHER_PROCESS = "import sys; from isophote.rendering.warm import compile_parts; compile_parts(sys.argv[1:])"
 
-
-def compiled() -> bool:
-    """Whether the kernels of a picture lie in the cache."""
-    kernels = ((path, "path_trace_tile"), (first_hit, "first_hits"))
-    return all(is_compiled(Path(module.__file__ or ""), name) for module, name in kernels)
+_Words: TypeAlias = np.ndarray[tuple[int], np.dtype[np.int64]]
 
 
 @contextmanager
@@ -45,41 +44,101 @@ def _without_collecting() -> Iterator[None]:
             gc.enable()
 
 
-@_without_collecting()
-def compile_others() -> None:
-    """Compile what a picture needs besides its method: the tree's builder, and first hits."""
-    build_triangles(np.eye(3, dtype=np.float32), np.array([[0, 1, 2]], np.int32), threads=1)
-    first_hit.first_hits(_words(tables.SCENE), _words(first_hit.FEATURES), 0, 0, 0)
+def _words(table: Table) -> _Words:
+    return np.zeros(3 * table.size, np.int64)
 
 
-@_without_collecting()
-def compile_path_tracer() -> None:
-    """Compile the path tracer: a tile without pixels needs no tables."""
+def _path_tracer() -> None:
+    from isophote.kernels.trace import path
+
+    # A tile without pixels needs no tables.
     words = (_words(table) for table in (tables.SCENE, tables.PLAN, tables.FILM))
     path.path_trace_tile(*words, wave.new_wave(1).words, 0, 0, 0, 0, 0, 0)
 
 
-def _words(table: Table) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
-    return np.zeros(3 * table.size, np.int64)
+def _sphere_tracer() -> None:
+    from isophote.kernels.trace import sphere_trace
+
+    words = (_words(table) for table in (tables.SCENE, sphere_trace.MARCH, sphere_trace.SPHERE_PICTURE))
+    sphere_trace.sphere_trace_tile(*words, 0, 0, 0, 0)
 
 
-def warm_up(report: Reporter) -> None:
-    """Compile what is not in the cache yet, half of it in a second process; both write to the same cache."""
-    if compiled():
+def _first_hits() -> None:
+    from isophote.kernels.trace import first_hit
+
+    first_hit.first_hits(_words(tables.SCENE), _words(first_hit.FEATURES), 0, 0, 0)
+
+
+def _trees() -> None:
+    from isophote.accel.tree import build_triangles
+
+    build_triangles(np.eye(3, dtype=np.float32), np.array([[0, 1, 2]], np.int32), threads=1)
+
+
+def _fields() -> None:
+    from isophote.accel.field_tree import warm_field_trees
+    from isophote.kernels.accel import field_surface, field_trace
+    from isophote.kernels.forms.tape_entries import pack_interpreters
+
+    pack_interpreters()
+    field_trace.trace_field.compile()
+    field_surface.field_surface.compile()
+    warm_field_trees()
+
+
+class _Part(NamedTuple):
+    """What is compiled together: file and name of the kernel that comes last, and what compiles it."""
+
+    file: str
+    kernel: str
+    compile: Callable[[], None]
+
+
+# Compiling loads much, so each part does it for itself.
+_PARTS = {
+    "path": _Part("trace/path.py", "path_trace_tile", _path_tracer),
+    "sphere": _Part("trace/sphere_trace.py", "sphere_trace_tile", _sphere_tracer),
+    "first hits": _Part("trace/first_hit.py", "first_hits", _first_hits),
+    "trees": _Part("accel/build_wide.py", "fill_blocks", _trees),
+    "fields": _Part("accel/field_build.py", "split_regions", _fields),
+}
+_KERNELS = Path(kernels.__file__ or "").parent
+
+
+def compiled(parts: Sequence[str] = ("path", "first hits")) -> bool:
+    """Whether these parts lie in the cache; what a picture of meshes takes if none are named."""
+    found = (_PARTS[name] for name in parts)
+    return all(is_compiled(_KERNELS / part.file, part.kernel) for part in found)
+
+
+@_without_collecting()
+def compile_parts(parts: Sequence[str]) -> None:
+    """Compile these parts, or load them from the cache."""
+    for name in parts:
+        _PARTS[name].compile()
+
+
+def warm_up(report: Reporter, scene: Scene, method: str) -> None:
+    """Compile what a method ("path" or "sphere") needs for a scene and is not in the cache yet, the method itself here
+    and the rest in a second process; both write to the same cache."""
+    rest = ["first hits"] if method == "path" else []
+    meshes = [isinstance(item.shape, Mesh) for item in scene.items]
+    rest += ["trees"] if any(meshes) else []
+    rest += ["fields"] if not all(meshes) else []
+    if compiled([method, *rest]):
         return
     with _counted(report):
         other = None
         if sys.executable:
-            other = subprocess.Popen(
-                [sys.executable, "-c", _OTHER_PROCESS], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-            )
+            command = [sys.executable, "-c", _OTHER_PROCESS, *rest]
+            other = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         try:
-            compile_path_tracer()
+            compile_parts([method])
         finally:
             if other is not None:
                 other.wait()
         # From the cache now, or here if the other process could not.
-        compile_others()
+        compile_parts(rest)
 
 
 class _Counter(event.Listener):

@@ -15,8 +15,8 @@ from __future__ import annotations
 
 from isophote.kernels.accel.layout import STACK, WIDTH
 from isophote.kernels.base.table import DOUBLE_BOXES, FLOAT_ROWS, FLOATS, INT, INT_ROWS, INTS, LONG_ROWS, Table
+from isophote.kernels.forms.interpreters import INTERPRETERS
 from isophote.kernels.forms.opcodes import INPUTS
-from isophote.kernels.forms.tape_entries import INTERPRETERS
 
 __all__ = [
     "CELLS",

@@ -31,7 +31,7 @@ from isophote.kernels.base.simd import (
 )
 from isophote.kernels.base.simd_lanes import following_lanes, lane_numbers
 from isophote.kernels.forms import opcodes as op
-from isophote.kernels.forms.tape_entries import bounds_on, values_on
+from isophote.kernels.forms.interpreters import bounds_on, values_on
 from isophote.kernels.forms.tape_interval import REGION_HIGH, REGION_MIDDLE, REGION_SLOT
 
 __all__ = ["Line", "Tape", "affine_doubles", "first_crossing", "slots_at", "tape_at"]
@@ -122,14 +122,18 @@ def slots_at(fields, scratch):
 
 
 @device
-def tape_at(fields, number):
-    """The `Tape` of this number."""
+def tape_at(fields, root, number):
+    """The `Tape` of this number, of the field whose whole tape is `root`."""
+    slope = min(_slope(fields, root), _slope(fields, number))
+    return Tape(np.int64(fields.tapes[number, 0]), np.int64(fields.tapes[number, 1]), slope)
+
+
+@device
+def _slope(fields, number):
+    """The Lipschitz constant that the last row of a tape tells."""
     first, count = np.int64(fields.tapes[number, 0]), np.int64(fields.tapes[number, 1])
-    if count == 0:
-        # The field is a coordinate of the point.
-        return Tape(first, count, _ONE)
-    last = (first + count - 1) * np.int64(op.ROW)
-    return Tape(first, count, load_float(fields.rows, last + op.LIPSCHITZ))
+    # Without rows the field is a coordinate of the point.
+    return load_float(fields.rows, (first + count - 1) * np.int64(op.ROW) + op.LIPSCHITZ) if count > 0 else _ONE
 
 
 @device

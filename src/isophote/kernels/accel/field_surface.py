@@ -14,23 +14,23 @@ from isophote.kernels.accel.field_layout import FIELDS
 from isophote.kernels.accel.field_march import affine_doubles, slots_at, tape_at
 from isophote.kernels.base.entry import entry, floats_at, opener_at
 from isophote.kernels.base.jit import device
-from isophote.kernels.base.simd import bits, load16, load_float, load_int, lowest_bit, splat16, store16, store_float
+from isophote.kernels.base.simd import bits, load16, load_float, load_int, lowest_bit, store_float
 from isophote.kernels.base.vec import dot, length, maximum_component, normalise, vec3
 from isophote.kernels.forms import opcodes as op
 from isophote.kernels.forms.field_data import open_field_data
-from isophote.kernels.forms.tape_entries import gradients_on, values_on
+from isophote.kernels.forms.interpreters import gradients_on, values_on
 from isophote.kernels.forms.tape_gradient import GRADIENT_SLOT
 
 __all__ = ["field_surface"]
 
 _ZERO, _ONE, _TWO, _QUARTER = np.float32(0), np.float32(1), np.float32(2), np.float32(0.25)
-_FAR = np.float32(np.inf)
+_FAR, _LEAST_SLOPE2 = np.float32(np.inf), np.float32(1e-12)
 _NOTHING, _DOUBLE_ONE = 0.0, 1.0
 _RESULT, _ONE_VECTOR = np.int64(op.INPUTS - 1), np.int64(1)
 # The least distance off the surface in parts of the largest coordinate: a few units in its last place. Each of the
 # following is twice the one before.
 _LEAST_ERROR = np.float32(2.0**-22)
-_TRIES = np.int64(8)
+_TRIES, _LANES = np.int64(8), np.int64(16)
 _TRY_MASK = np.int32(0xFF)
 # Newton's step is at most so long in parts of the root region's side.
 _LONGEST_STEP = np.float32(2.0**-12)
@@ -44,14 +44,30 @@ def _reach(p):
 
 
 @device
-def _gradient(fields, data, tape, p, slots):
-    """(value, gradient) of a field at a point of its own space."""
-    for axis, c in ((0, p.x), (1, p.y), (2, p.z)):
-        store16(slots, axis * GRADIENT_SLOT, splat16(c))
+def _gradient(fields, data, tape, p, back, slots):
+    """(value, gradient) of a field at a point of its own space.
+
+    Exactly on a surface where two arms of the expression meet, the gradient may vanish; then that of the first of
+    fifteen points before it is taken, each twice as far along `back`. Zero where none has any.
+    """
+    step = _ZERO
+    for lane in range(_LANES):
+        q = p + back * step
+        store_float(slots, lane, q.x)
+        store_float(slots, GRADIENT_SLOT + lane, q.y)
+        store_float(slots, 2 * GRADIENT_SLOT + lane, q.z)
+        step = step + step if step > _ZERO else _ONE
     gradients_on(fields.interpreters, fields.rows, tape.first, tape.length, data, slots)
     at = (_RESULT + tape.length) * GRADIENT_SLOT
-    gradient = vec3(load_float(slots, at + 16), load_float(slots, at + 32), load_float(slots, at + 48))
-    return load_float(slots, at), gradient
+    value = load_float(slots, at)
+    for lane in range(_LANES):
+        gradient = vec3(
+            load_float(slots, at + 16 + lane), load_float(slots, at + 32 + lane), load_float(slots, at + 48 + lane)
+        )
+        size2 = dot(gradient, gradient)
+        if size2 > _LEAST_SLOPE2 and size2 < _FAR:
+            return value, gradient
+    return value, vec3(_ZERO, _ZERO, _ZERO)
 
 
 @device
@@ -103,19 +119,22 @@ def field_surface(fields_address, scratch_address):
     words = floats_at(scratch_address, np.int64(layout.RAY_WORDS))
     slots = slots_at(fields, scratch_address)
     k = np.int64(load_int(words, np.int64(7)))
-    tape, data = tape_at(fields, np.int64(load_int(words, np.int64(8)))), open_field_data(fields.data[k])
+    root, number = np.int64(fields.numbers[k, layout.ROOT_TAPE]), np.int64(load_int(words, np.int64(8)))
+    tape, data = tape_at(fields, root, number), open_field_data(fields.data[k])
     t = np.float64(words[6])
     hit = (words[0] + t * words[3], words[1] + t * words[4], words[2] + t * words[5])
     x, y, z = affine_doubles(fields.to_object, k, hit[0], hit[1], hit[2], _DOUBLE_ONE)
     p = vec3(np.float32(x), np.float32(y), np.float32(z))
-    value, gradient = _gradient(fields, data, tape, p, slots)
-    size2 = dot(gradient, gradient)
-    if size2 > _ZERO and size2 < _FAR:
+    dx, dy, dz = affine_doubles(
+        fields.to_object, k, np.float64(words[3]), np.float64(words[4]), np.float64(words[5]), _NOTHING
+    )
+    toward = -normalise(vec3(np.float32(dx), np.float32(dy), np.float32(dz)))
+    value, gradient = _gradient(fields, data, tape, p, toward * (_reach(p) * _LEAST_ERROR), slots)
+    if dot(gradient, gradient) > _ZERO:
         p = _onto_surface(p, value, gradient, fields.cubes[k, layout.SIDE])
     else:
         # Where nothing is known of the slope, the surface faces the ray.
-        dx, dy, dz = affine_doubles(fields.to_object, k, words[3], words[4], words[5], _NOTHING)
-        gradient = vec3(np.float32(-dx), np.float32(-dy), np.float32(-dz))
+        gradient = toward
     m = fields.to_object
     # Normals go by the transposed inverse.
     normal = normalise(

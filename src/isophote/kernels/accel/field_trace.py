@@ -165,7 +165,18 @@ def _through_field(fields, k, origin, direction, t_max, any_hit, slots, places, 
         elif end > s:
             tape = layout.FIRST_TAPE - code
             sign, found, place = first_crossing(
-                fields, data, tape_at(fields, tape), w.line, s, end, sign, leaves, any_hit, slots, places, choices
+                fields,
+                data,
+                tape_at(fields, root_tape, tape),
+                w.line,
+                s,
+                end,
+                sign,
+                leaves,
+                any_hit,
+                slots,
+                places,
+                choices,
             )
         if found:
             return np.float32(w.enter + np.float64(place) * w.scale), tape

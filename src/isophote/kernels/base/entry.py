@@ -55,6 +55,10 @@ class Entry:
     @property
     def address(self) -> int:
         """Where the machine code lies; valid as long as the process runs."""
+        return int(self.compile().address)
+
+    def compile(self) -> Any:
+        """The compiled function."""
         with self._lock:
             if self._compiled is None:
                 arguments = (types.int64,) * self._function.__code__.co_argcount
@@ -62,7 +66,7 @@ class Entry:
                 compiled.enable_caching()
                 compiled.compile()
                 self._compiled = compiled
-        return int(self._compiled.address)
+            return self._compiled
 
 
 def entry(function: Callable[..., int]) -> Entry:

@@ -17,9 +17,9 @@ from isophote.kernels.base.simd import load16, lowest_bit, splat16, store16
 from isophote.kernels.base.simd import mask16 as mask16_type
 from isophote.kernels.forms import opcodes as op
 from isophote.kernels.forms.field_data import open_field_data
+from isophote.kernels.forms.interpreters import open_interpreters, values_on
 from isophote.kernels.forms.regions import REGIONS, bound_regions, load_region
 from isophote.kernels.forms.tape import LANES, WIDTH
-from isophote.kernels.forms.tape_entries import open_interpreters, values_on
 from isophote.kernels.forms.tape_prune import shorten
 
 __all__ = ["LEAF", "fill_square", "split_picture"]

@@ -11,7 +11,7 @@ import numpy as np
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.simd import bits, load16, splat16, store_float
 from isophote.kernels.forms import opcodes as op
-from isophote.kernels.forms.tape_entries import bounds_on
+from isophote.kernels.forms.interpreters import bounds_on
 from isophote.kernels.forms.tape_interval import REGION_HIGH, REGION_MIDDLE, REGION_SLOT
 
 __all__ = ["REGIONS", "bound_regions", "load_region"]

@@ -9,8 +9,8 @@ from isophote.kernels.base.jit import device, kernel
 from isophote.kernels.base.simd import load16, load_int, splat16, store16
 from isophote.kernels.forms import opcodes as op
 from isophote.kernels.forms.field_data import open_field_data
+from isophote.kernels.forms.interpreters import gradients_on, open_interpreters, values_on
 from isophote.kernels.forms.tape import LANES, WIDTH
-from isophote.kernels.forms.tape_entries import gradients_on, open_interpreters, values_on
 from isophote.kernels.forms.tape_gradient import GRADIENT_SLOT
 
 __all__ = ["evaluate_gradients", "evaluate_points"]
