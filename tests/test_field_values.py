@@ -296,3 +296,16 @@ def test_bad_input_is_refused_with_what_is_wrong(make: Any, words: str) -> None:
 def test_other_things_are_no_operands() -> None:
     with pytest.raises(TypeError):
         iso.sphere(1) | 3  # type: ignore[operator]
+
+
+def test_slopes_of_fields_with_parameters_hold_for_all_their_values() -> None:
+    rate = iso.Parameter("rate", 0.5, 0, 4)
+    for field in (iso.box(1).twist(rate), iso.box(1).twist(rate).repeat((2, 0, 0), count=3)):
+        region = np.array([[-0.5] * 3, [0.5] * 3])
+        graph = Graph(region, symbolic=True)
+        result = field.form.expression(graph.point).id
+        steepest = eval(repr(field).replace(repr(rate), "4"), NAMES)
+        fixed = Graph(region)
+        most = steepest.form.expression(fixed.point).id
+        assert graph.lipschitz()[result] >= fixed.lipschitz()[most] - 1e-9
+        assert fixed.lipschitz()[most] > 2

@@ -16,13 +16,16 @@ __all__ = ["is_fixed", "largest_value", "most", "own_slope", "steady"]
 
 def own_slope(form: Form, p: Point) -> float:
     """A Lipschitz constant of a form in its own space, where `p` may be; infinite where none is known."""
-    return 1.0 if form.exactness is Exactness.EXACT else _slope(form, *_ends(p))
+    if form.exactness is Exactness.EXACT:
+        return 1.0
+    # Forms are equal whose parameters have equal values, but their constants hold for all values of a slider.
+    return _slope.__wrapped__(form, True, *_ends(p)) if p.graph.symbolic else _slope(form, False, *_ends(p))
 
 
 def largest_value(form: Form, p: Point) -> float:
     """A bound on the magnitude of a form's value where `p` may be: that at the middle, and the slope to the corners."""
     low, high = np.reshape(_ends(p), (3, 2)).T
-    if not np.isfinite([low, high]).all():
+    if p.graph.symbolic or not np.isfinite([low, high]).all():
         return math.inf
     middle = numpy_values(form, [((low + high) / 2)[: form.dimension]])
     return abs(float(middle[0])) + own_slope(form, p) * float(np.linalg.norm(high - low)) / 2
@@ -33,8 +36,8 @@ def _ends(p: Point) -> tuple[float, ...]:
 
 
 @lru_cache(maxsize=4096)
-def _slope(form: Form, *ends: float) -> float:
-    graph = Graph(np.reshape(ends, (3, 2)).T)
+def _slope(form: Form, symbolic: bool, *ends: float) -> float:
+    graph = Graph(np.reshape(ends, (3, 2)).T, symbolic)
     value = form.expression(graph.point)
     return graph.lipschitz()[value.id]
 
