@@ -147,7 +147,7 @@ def test_bounds_far_beyond_the_shape_change_nothing() -> None:
 def test_progress_runs_from_nothing_to_all() -> None:
     told: list[tuple[str, float]] = []
     iso.to_mesh(PART, cell=0.02, progress=lambda stage, part: told.append((stage, part)))
-    stages = list(dict.fromkeys(stage for stage, _ in told))
+    stages = list(dict.fromkeys(stage for stage, _ in told if "compiling" not in stage))
     assert stages == ["contouring", "joining"]
     for stage in stages:
         parts = [part for name, part in told if name == stage]

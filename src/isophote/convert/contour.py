@@ -11,6 +11,7 @@ from isophote.convert.contour_grid import corner_text, grid_over, region_of
 from isophote.convert.contour_join import Triangles
 from isophote.convert.contour_run import MEMORY, Options, contoured
 from isophote.convert.contour_tolerance import within_tolerance
+from isophote.convert.contour_warm import warm_up
 from isophote.errors import GeometryError
 from isophote.progress import ProgressLike, reporter
 from isophote.shapes.field.field import Field
@@ -58,6 +59,7 @@ def to_mesh(
     longest = float((region[1] - region[0]).max())
     options = Options(method == "dual-contouring", memory, threads)
     with reporter(progress) as report:
+        warm_up(report)
         if cell is None and tolerance is not None and options.sharp:
             found = within_tolerance(whole, region, tolerance, options, report)
         else:
