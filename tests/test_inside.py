@@ -50,7 +50,7 @@ def around(mesh: iso.Mesh, count: int, seed: int = 0) -> np.ndarray:
 
 def segment_distance(p: np.ndarray, a: np.ndarray, b: np.ndarray) -> np.ndarray:
     d = b - a
-    with np.errstate(invalid="ignore"):
+    with np.errstate(invalid="ignore", divide="ignore"):
         t = np.clip(((p - a) * d).sum(-1) / (d * d).sum(-1), 0, 1)
     return np.linalg.norm(p - a - np.nan_to_num(t)[..., None] * d, axis=-1)
 

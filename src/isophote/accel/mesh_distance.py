@@ -17,6 +17,7 @@ __all__ = ["MeshDistance", "build_mesh_distance", "rim_of"]
 
 Points: TypeAlias = npt.NDArray[np.float64]
 Corners: TypeAlias = npt.NDArray[np.int32]
+Indices: TypeAlias = npt.NDArray[np.int64]
 
 
 class MeshDistance(NamedTuple):
@@ -74,31 +75,52 @@ def _scale(points: Points) -> float:
 
 
 def rim_of(points: Points, triangles: Corners) -> Points:
-    """(6, k): the boundary of a mesh as a chain of directed edges: their starts and ends.
+    """(4, k): the boundary of a mesh as a chain of directed edges, in loops.
 
     An edge is there as often as triangles run along it in one direction more than in the other; a closed and oriented
-    mesh has none. Vertices at one place are one vertex.
+    mesh has none. Vertices at one place are one vertex. Columns are x, y, z of a loop's vertices, its first one again
+    at the end, and 1 where a loop begins, else 0.
     """
-    start, end, count = _chain(triangles, np.arange(len(points)))
-    if len(start):
-        chosen = np.unique(np.concatenate([start, end]))
-        _, same = np.unique(points[chosen] + 0.0, axis=0, return_inverse=True)
-        number = np.arange(len(points))
-        number[chosen] = chosen[np.unique(same, return_index=True)[1]][same.reshape(-1)]
-        start, end, count = _cancel(number[start], number[end], count)
-    start, end = np.repeat(start, count), np.repeat(end, count)
-    return np.ascontiguousarray(np.column_stack([points[start], points[end]]).T)
+    start, end, count = _chain(triangles)
+    if len(start) == 0:
+        return np.empty((4, 0))
+    chosen = np.unique(np.concatenate([start, end]))
+    _, first, same = np.unique(points[chosen] + 0.0, axis=0, return_index=True, return_inverse=True)
+    number = np.arange(len(points))
+    number[chosen] = chosen[first[same.reshape(-1)]]
+    start, end, count = _cancel(number[start], number[end], count)
+    vertices, begins = _loops(np.repeat(start, count), np.repeat(end, count))
+    return np.ascontiguousarray(np.column_stack([points[vertices], begins]).T)
 
 
-def _chain(triangles: Corners, number: npt.NDArray[np.int64]) -> tuple[npt.NDArray[np.int64], ...]:
-    corners = number[triangles]
+def _loops(start: Indices, end: Indices) -> tuple[Indices, npt.NDArray[np.bool_]]:
+    """Vertices of the loops that edges make, of which as many end at a vertex as start there; and where loops begin."""
+    following = np.empty(len(start), np.int64)
+    following[np.argsort(end, kind="stable")] = np.argsort(start, kind="stable")
+    links, vertices, begins = following.tolist(), list[int](), list[bool]()
+    starts, done = start.tolist(), [False] * len(start)
+    for first in range(len(starts)):
+        if done[first]:
+            continue
+        begins.append(True)
+        edge = first
+        while not done[edge]:
+            done[edge] = True
+            vertices.append(starts[edge])
+            begins.append(False)
+            edge = links[edge]
+        vertices.append(starts[first])
+    return np.array(vertices, np.int64), np.array(begins, bool)
+
+
+def _chain(triangles: Corners) -> tuple[Indices, Indices, Indices]:
+    """Starts and ends of the edges whose directions do not cancel, and how often each is there."""
+    corners = triangles.astype(np.int64)
     start, end = corners.reshape(-1), np.roll(corners, -1, axis=1).reshape(-1)
     return _cancel(start, end, np.ones(len(start), np.int64))
 
 
-def _cancel(
-    start: npt.NDArray[np.int64], end: npt.NDArray[np.int64], count: npt.NDArray[np.int64]
-) -> tuple[npt.NDArray[np.int64], ...]:
+def _cancel(start: Indices, end: Indices, count: Indices) -> tuple[Indices, Indices, Indices]:
     """Edges (start < end, or turned round) whose counts do not add up to nothing."""
     low, high = np.minimum(start, end), np.maximum(start, end)
     size = int(high.max()) + 1 if len(high) else 1

@@ -74,7 +74,7 @@ def points_for(points: npt.ArrayLike, mesh: MeshDistance) -> npt.NDArray[np.floa
     """Query points as (n, 3) contiguous float64.
 
     Raises `GeometryError` for other shapes, points that are not finite, and points so far away that square distances
-    overflow (1e150 sizes of the mesh).
+    overflow (1e60 sizes of the mesh).
     """
     try:
         # Writeable: for arrays that are not, kernels would be compiled once more.

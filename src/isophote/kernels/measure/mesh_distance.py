@@ -19,8 +19,8 @@ __all__ = ["FURTHEST", "MESH_DISTANCE", "STACK_WORDS", "open_mesh", "to_single"]
 
 # float32 scratch of a query.
 STACK_WORDS = SCRATCH
-# Coordinates beyond this, in the mesh's frame, would overflow when they are squared.
-FURTHEST = 2.0**500
+# Coordinates beyond this, in the mesh's frame, would overflow when products of them are multiplied.
+FURTHEST = 2.0**200
 
 _DOUBLE_ROWS = ViewType(types.float64, 2)
 # Single-precision coordinates are clamped to this: their squares stay finite, and clamping brings a point nearer to
@@ -29,8 +29,9 @@ _CLAMP = np.float64(2.0**60)
 
 # `nodes`, `blocks`: the tree (accel/layout.py). `corners` (slots, 9): x, y, z of the three corners of the triangle in
 # each slot of `blocks`. `frame` (1, 4): middle of the mesh, and the power of two that coordinates are multiplied by.
-# `rim` (6, k): x, y, z of start and end of the directed edges that triangles run along in one direction more often than
-# in the other; none where the mesh is closed. `closed`: whether there are none.
+# `rim` (4, k): loops of the directed edges that triangles run along in one direction more often than in the other: x, y
+# and z of their vertices, the first one again at the end, and 1 where a loop begins; none where the mesh is closed.
+# `closed`: whether there are none.
 MESH_DISTANCE = Table(
     "MeshDistance", nodes=FLOATS, blocks=FLOATS, corners=_DOUBLE_ROWS, frame=_DOUBLE_ROWS, rim=_DOUBLE_ROWS, closed=INT
 )

@@ -51,7 +51,11 @@ _PART, _LEAST = np.float32(2.0**-20), np.float32(2.0**-40)
 # What underflow may add to the determinants of coordinates in the mesh's frame.
 _UNDERFLOW = 2.0**-500
 # An angle of hardly less than ±π keeps its sign by such an imaginary part.
-_HARDLY = 2.0**-900
+_HARDLY = 2.0**-400
+# A product is brought back to about 1 when it leaves this range.
+_SMALL, _LARGE = 2.0**-150, 2.0**150
+# Real and imaginary parts that leave the sign of the angle to rounding.
+_LITTLE, _UNSURE = 2.0**-300, 2.0**-49
 
 
 # --- which triangles the ray meets ----------------------------------------------------------------
@@ -214,50 +218,66 @@ def crossings(mesh, x, y, z, up, stack):
 # --- the rim --------------------------------------------------------------------------------------
 
 
-@device
-def _above(x, y, z, length):
-    """length - z, of a vector and its length, without cancellation."""
-    return (x * x + y * y) / (length + z) if z > 0.0 else length - z
+@exact_apart
+def _half_angle_closely(ax, ay, az, bx, by, bz, x, y, up):
+    """`_half_angle` of the edge from a to b, as seen from (x, y, 0), where its argument may be ±π.
 
-
-@device
-def _half_angle(ax, ay, az, bx, by, bz, up):
-    """The complex number whose argument is half the solid angle of the cone from -d over the edge from a to b."""
-    az, bz = az * up, bz * up
-    if ax == 0.0 and ay == 0.0 and az >= 0.0:
-        # A vertex on the ray: the point counts as moved, and the vertex lies to its left.
-        if bx == 0.0 and by == 0.0:
-            return 1.0, 0.0
-        return -bx, by * up
-    if bx == 0.0 and by == 0.0 and bz >= 0.0:
-        return -ax, -ay * up
-    la, lb = math.sqrt(ax * ax + ay * ay + az * az), math.sqrt(bx * bx + by * by + bz * bz)
-    real = _above(ax, ay, az, la) * _above(bx, by, bz, lb) + (ax * bx + ay * by)
-    return real, -up * (ax * by - ay * bx)
+    Its sign is that of the side on which (x + ε, y + ε²) lies of the edge. A vertex on the ray is to the left of it.
+    """
+    px, py, qx, qy = ax - x, ay - y, bx - x, by - y
+    a_on = px == 0.0 and py == 0.0 and az * up >= 0.0
+    b_on = qx == 0.0 and qy == 0.0 and bz * up >= 0.0
+    if a_on and b_on:
+        return 1.0, 0.0
+    if a_on:
+        real, imaginary = -qx, qy
+    elif b_on:
+        real, imaginary = -px, py
+    else:
+        a, b = math.sqrt(px * px + py * py + az * az), math.sqrt(qx * qx + qy * qy + bz * bz)
+        real, imaginary = (a - up * az) * (b - up * bz) + (px * qx + py * qy), px * qy - py * qx
+    side = _moved_side(x, y, ax, ay, bx, by, orient2d(x, y, ax, ay, bx, by))
+    imaginary = math.copysign(max(abs(imaginary), _HARDLY), np.float64(-up * side))
+    size = 1.0 / (abs(real) + abs(imaginary))
+    return real * size, imaginary * size
 
 
 @device
 def rim_angle(mesh, x, y, z, up):
-    """The sum of Ω / 4π over the rim's edges, for the ray upward (`up` 1) or downward (-1)."""
+    """The sum of Ω / 4π over the rim's edges, for the ray upward (`up` 1) or downward (-1).
+
+    tan(Ω / 2) of the cone from -d over the edge from a to b is i / r, where, with d = (0, 0, 1),
+    r = (|a| - a_z) (|b| - b_z) + a_x b_x + a_y b_y and i = a_y b_x - a_x b_y. Where a_z > 0, |a| - a_z is taken as
+    (a_x² + a_y²) / (|a| + a_z), which does not cancel, and r and i are multiplied by the denominator.
+    """
     rim = mesh.rim
-    # The arguments are added by multiplying the numbers; `turns` counts how often the product went round.
+    # The angles are added by multiplying the numbers r + i √-1; `turns` counts how often the product went round.
     real, imaginary, turns = 1.0, 0.0, 0.0
+    ax = ay = az = a_height = a_factor = 0.0
     for k in range(rim.columns):
-        ax, ay, bx, by = rim[0, k], rim[1, k], rim[3, k], rim[4, k]
-        r, i = _half_angle(ax - x, ay - y, rim[2, k] - z, bx - x, by - y, rim[5, k] - z, up)
-        if r <= 0.0:
-            side = _moved_side(x, y, ax, ay, bx, by, orient2d(x, y, ax, ay, bx, by))
-            i = math.copysign(max(abs(i), _HARDLY), np.float64(-up * side))
-        size = 1.0 / (abs(r) + abs(i))
-        r, i = r * size, i * size
-        was = imaginary
-        real, imaginary = real * r - imaginary * i, real * i + imaginary * r
-        if was >= 0.0 and i >= 0.0 and imaginary < 0.0:
-            turns += 1.0
-        elif was < 0.0 and i < 0.0 and imaginary >= 0.0:
-            turns -= 1.0
-        size = 1.0 / (abs(real) + abs(imaginary))
-        real, imaginary = real * size, imaginary * size
+        bx, by, bz = rim[0, k] - x, rim[1, k] - y, rim[2, k] - z
+        square = bx * bx + by * by
+        length, along = math.sqrt(square + bz * bz), bz * up
+        b_height, b_factor = (square, length + along) if along > 0.0 else (length - along, 1.0)
+        if rim[3, k] == 0.0:
+            factor = a_factor * b_factor
+            left, right = ay * bx, ax * by
+            r = a_height * b_height + factor * (ax * bx + ay * by)
+            i = up * factor * (left - right)
+            if r <= _LITTLE * factor and abs(i) <= _UNSURE * factor * (abs(left) + abs(right)):
+                r, i = _half_angle_closely(
+                    rim[0, k - 1], rim[1, k - 1], az, rim[0, k], rim[1, k], bz, x, y, up
+                )  # fmt: skip
+            was = imaginary
+            real, imaginary = real * r - imaginary * i, real * i + imaginary * r
+            if was >= 0.0 and i >= 0.0 and imaginary < 0.0:
+                turns += 1.0
+            elif was < 0.0 and i < 0.0 and imaginary >= 0.0:
+                turns -= 1.0
+            size = abs(real) + abs(imaginary)
+            if size < _SMALL or size > _LARGE:
+                real, imaginary = real / size, imaginary / size
+        ax, ay, az, a_height, a_factor = bx, by, bz, b_height, b_factor
     return turns + math.atan2(imaginary, real) / (2.0 * math.pi)
 
 
