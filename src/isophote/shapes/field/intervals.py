@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any, TypeAlias
 
 import attrs
@@ -29,21 +30,25 @@ _PART = 0.005
 _MOST_WORK = 1_200_000
 
 
-@attrs.frozen
+@attrs.frozen(slots=False)
 class Looker:
     """A form's expression over a region, which is looked at box by box within it."""
 
     graph: Graph
     nodes: list[int]
     result: int
-    constants: list[float]
+
+    @cached_property
+    def constants(self) -> list[float]:
+        """Lipschitz constants of all nodes over the region."""
+        return self.graph.lipschitz()
 
     @classmethod
     def of(cls, form: Form, region: Box) -> Looker:
         """Make ready to look at a form within a region."""
         graph, result = written(form, region)
         nodes = [node for node in graph.used(result) if graph.nodes[node].name != "INPUT"]
-        return cls(graph, nodes, result, graph.lipschitz())
+        return cls(graph, nodes, result)
 
     def values(self, points: Floats) -> Floats:
         """(n,) values at points (n, dimension)."""
