@@ -1,8 +1,8 @@
 """The beach line of Fortune's sweep: arcs in a list from left to right, and in chunks that are searched by halving.
 
-Arcs are linked to their neighbours. They also stand in chunks of `CHUNK` at most, and the chunks in a directory: to find
-an arc takes a logarithmic number of comparisons, to insert or remove one moves part of a chunk and seldom part of the
-directory.
+Arcs are linked to their neighbours. They also stand in chunks of `CHUNK` at most, and the chunks in a directory: to
+find an arc takes a logarithmic number of comparisons, to insert or remove one moves part of a chunk and seldom part of
+the directory.
 """
 
 from __future__ import annotations

@@ -1,0 +1,1 @@
+"""Medial axes: of polygons, exactly, and of closed meshes, by balls inside them."""
