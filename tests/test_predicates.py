@@ -93,7 +93,7 @@ def test_collinear_and_on_a_circle(predicate, dimension, count, lifted) -> None:
     points = np.empty((200, count, dimension))
     for i in range(len(points)):
         if lifted:
-            ring = rng.permutation(list(permutations((15, 20, 0)[:dimension])) + [[7, 24, 0][:dimension]])
+            ring = rng.permutation([*permutations((15, 20, 0)[:dimension]), (7, 24, 0)[:dimension]])
             ring = np.concatenate([ring, -ring])[rng.permutation(2 * len(ring))[:count]]
             points[i] = ring * 2.0 ** rng.integers(-40, 40) / rng.choice([1, 5, 25])
         else:

@@ -2,29 +2,54 @@
 
 from __future__ import annotations
 
+from typing import Any, Literal, TypeAlias
+
 import numpy as np
 import numpy.typing as npt
 
 from isophote.analysis.arrays import read_only
+from isophote.analysis.triangulation.complex import DelaunayComplex
 from isophote.analysis.triangulation.given import finite_points
+from isophote.analysis.triangulation.lifted import lifted_plane, lifted_space, outer_facets, qhull_simplices
 from isophote.analysis.triangulation.plane import triangulate_plane
 from isophote.analysis.triangulation.result import Delaunay
+from isophote.analysis.triangulation.space import triangulate_space
+from isophote.errors import GeometryError
 
-__all__ = ["delaunay"]
+__all__ = ["Method", "delaunay", "delaunay_complex", "delaunay_plane"]
+
+FloatArray: TypeAlias = npt.NDArray[np.float64]
+Method: TypeAlias = Literal["direct", "lifted"]
 
 
-def delaunay(points: npt.ArrayLike) -> Delaunay:
-    """The Delaunay triangulation of points of the plane, (n, 2): no point lies inside the circle of a triangle.
+def delaunay(points: npt.ArrayLike, *, method: Method = "direct") -> Any:
+    """The Delaunay triangulation of points (n, d): inside the sphere of a simplex lies no point.
 
-    Exact for all finite doubles: equal points, points on a line or a circle, and grids included. Of points on one
-    circle, any triangulation is one; which is found depends on nothing but the points and their order. Raises
-    `GeometryError` for other shapes and for coordinates that are not finite.
+    A `Delaunay` of points of the plane, a `DelaunayComplex` of space and more dimensions. Exact for all finite doubles
+    in the plane and in space: equal points, points in a line, plane, circle or sphere, and grids included. Of points on
+    one circle, any triangulation is one; which is found depends on nothing but the points and their order.
+
+    Method "direct" divides and conquers in the plane and inserts point by point in space; "lifted" takes the lower hull
+    of the points lifted to a paraboloid, by quickhull with the same exact predicates, which is slower and independent.
+    From four dimensions on it is Qhull's, with its rounding. Raises `GeometryError` for other shapes, coordinates that
+    are not finite, and for lifted points that span nothing.
     """
-    places = finite_points(points, 2)
-    found = triangulate_plane(places)
+    places = finite_points(points)
+    if method not in ("direct", "lifted"):
+        raise GeometryError(f'the method must be "direct" or "lifted", not {method!r}')
+    if places.shape[1] < 2:
+        raise GeometryError(f"points must have shape (n, d), d >= 2, but have {places.shape}")
+    if places.shape[1] == 2:
+        return delaunay_plane(places, method)
+    return delaunay_complex(places, method)
+
+
+def delaunay_plane(points: FloatArray, method: Method = "direct") -> Delaunay:
+    """The Delaunay triangulation of finite points of the plane, (n, 2) float64."""
+    found = triangulate_plane(points) if method == "direct" else lifted_plane(points)
     sides = found.corners.shape
     return Delaunay(
-        read_only(places),
+        read_only(points),
         read_only(found.corners),
         read_only(found.neighbours),
         read_only(found.hull),
@@ -32,3 +57,13 @@ def delaunay(points: npt.ArrayLike) -> Delaunay:
         read_only(np.zeros(sides, np.bool_)),
         read_only(np.zeros(sides[0], np.int32)),
     )
+
+
+def delaunay_complex(points: FloatArray, method: Method = "direct") -> DelaunayComplex:
+    """The Delaunay triangulation of finite points (n, d) float64, d at least 3."""
+    if points.shape[1] == 3:
+        found = triangulate_space(points) if method == "direct" else lifted_space(points)
+        return DelaunayComplex(read_only(points), *map(read_only, found))
+    (corners, neighbours), representative = qhull_simplices(points)
+    hull = outer_facets(corners, neighbours)
+    return DelaunayComplex(read_only(points), *map(read_only, (corners, neighbours, hull, representative)))
