@@ -16,7 +16,7 @@ __all__ = [
     "find_vertices",
     "index_bricks",
     "open_faces",
-    "place_of_cell",
+    "place_of_brick",
     "put_together",
     "write_faces",
 ]
@@ -53,7 +53,6 @@ FACES = Table(
     ranks=INT_ROWS,
 )
 
-_WORD = np.int64(32)
 # The bits of a code within a brick.
 _CODE = np.int64(BRICK**3 - 1)
 # Triangles whose normals are farther than this cosine from that of the surface are folded over.
@@ -90,8 +89,8 @@ def find_vertices(tables, first, last):
 @device
 def _cell_of_code(t, slot, code):
     """The number of the cell of a code in a brick, which is known to be there."""
-    word, bit = code // _WORD, code % _WORD
-    below = np.int64(t.present[slot, word]) & ((np.int64(1) << bit) - 1)
+    word = code >> 5
+    below = np.int64(t.present[slot, word]) & ((np.int64(1) << (code & 31)) - 1)
     return t.starts[slot] + t.ranks[slot, word] + bit_count(below)
 
 
@@ -238,12 +237,10 @@ def _write_edge(t, out, count, brick, cell, axis, i, j, k):
 
 
 @device
-def place_of_cell(t, brick, cell):
-    """The place of a brick's cell in the grid."""
-    number, code = t.bricks[brick], np.int64(t.codes[cell])
-    i = number % t.across * BRICK + unpacked(code)
-    j = number // t.across % t.along * BRICK + unpacked(code >> 1)
-    return i, j, number // (t.across * t.along) * BRICK + unpacked(code >> 2)
+def place_of_brick(t, brick):
+    """The place of a brick's first cell in the grid."""
+    number = t.bricks[brick]
+    return number % t.across * BRICK, number // t.across % t.along * BRICK, number // (t.across * t.along) * BRICK
 
 
 @kernel
@@ -253,10 +250,11 @@ def write_faces(tables, brick, out):
     Asks for merged components to be split where a triangle is folded over.
     """
     t = open_faces(tables)
+    x0, y0, z0 = place_of_brick(t, brick)
     count = np.int64(0)
     for cell in range(t.starts[brick], t.starts[brick + 1]):
-        case = t.cases[cell]
-        i, j, k = place_of_cell(t, brick, cell)
+        case, code = t.cases[cell], np.int64(t.codes[cell])
+        i, j, k = x0 + unpacked(code), y0 + unpacked(code >> 1), z0 + unpacked(code >> 2)
         for axis in range(3):
             if (case ^ case >> (1 << axis)) & 1 != 0:
                 count = _write_edge(t, out, count, np.int64(brick), cell, np.int64(axis), i, j, k)

@@ -4,14 +4,23 @@ from __future__ import annotations
 
 import numpy as np
 
-from isophote.kernels.base.jit import kernel
+from isophote.kernels.base.jit import device, kernel
 from isophote.kernels.measure.contour_cases import COMPONENT_BITS, COUNT_SHIFT
-from isophote.kernels.measure.contour_faces import cell_at, open_faces, place_of_cell
+from isophote.kernels.measure.contour_faces import cell_at, open_faces, place_of_brick
 from isophote.kernels.measure.contour_tables import BRICK
+from isophote.kernels.measure.morton import unpacked
 
 __all__ = ["find_faults", "place_components"]
 
 _EDGES = np.int64(12)
+
+
+@device
+def _place_of_cell(t, brick, cell):
+    """The place of a brick's cell in the grid."""
+    x0, y0, z0 = place_of_brick(t, brick)
+    code = np.int64(t.codes[cell])
+    return x0 + unpacked(code), y0 + unpacked(code >> 1), z0 + unpacked(code >> 2)
 
 
 @kernel
@@ -25,7 +34,7 @@ def find_faults(tables, cells, bricks, twice, out):
     count = 0
     for number in range(len(cells)):
         cell = cells[number]
-        i, j, k = place_of_cell(t, bricks[number], cell)
+        i, j, k = _place_of_cell(t, bricks[number], cell)
         for axis in range(3):
             if twice[t.cases[cell]] >> (2 * axis + 1) & 1 == 0:
                 continue
@@ -42,7 +51,7 @@ def place_components(tables, cells, bricks):
     t = open_faces(tables)
     for number in range(len(cells)):
         cell = cells[number]
-        i, j, k = place_of_cell(t, bricks[number], cell)
+        i, j, k = _place_of_cell(t, bricks[number], cell)
         case, first = t.cases[cell], np.int64(t.firsts[cell])
         word = np.int64(t.words[case])
         for component in range(word >> COUNT_SHIFT & 7):
