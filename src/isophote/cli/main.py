@@ -8,7 +8,7 @@ import typer
 from typer.core import TyperGroup
 
 from isophote import __version__
-from isophote.cli import convert, curvature, doctor, info, render
+from isophote.cli import convert, curvature, doctor, info, render, voronoi
 from isophote.cli.messages import shown
 
 __all__ = ["app", "main"]
@@ -48,6 +48,7 @@ app.command("render", epilog=render.EXAMPLES)(render.render)
 app.command("info", epilog=info.EXAMPLES)(info.info)
 app.command("convert", epilog=convert.EXAMPLES)(convert.convert)
 app.command("curvature", epilog=curvature.EXAMPLES)(curvature.curvature)
+app.command("voronoi", epilog=voronoi.EXAMPLES)(voronoi.voronoi)
 app.command("doctor", epilog=doctor.EXAMPLES)(doctor.doctor)
 
 
