@@ -16,6 +16,7 @@ TINY_RAYS = ("--size", "16", "--rounds", "1")
 
 needs_embree = pytest.mark.skipif(find_spec("embreex") is None, reason="embreex is not installed")
 needs_igl = pytest.mark.skipif(find_spec("igl") is None, reason="libigl is not installed")
+needs_triangle = pytest.mark.skipif(find_spec("triangle") is None, reason="triangle is not installed")
 needs_mitsuba = pytest.mark.skipif(find_spec("mitsuba") is None, reason="mitsuba is not installed")
 
 
@@ -119,3 +120,10 @@ def test_fields_have_their_speeds_told_and_no_pixel_wrong() -> None:
     assert "met" in output or "missed" in output
     assert "picture of 7,010 operations" in output
     assert "Pixels that differ from NumPy's in double precision: 0 of 256." in output
+
+
+@needs_triangle
+def test_voronoi() -> None:
+    output = output_of("voronoi.py", "--rounds", "1", "--points", "2000", "--edges", "100")
+    assert float(cells(output, "sweep against triangle")[0]) > 0
+    assert cells(output, "100")[2].startswith("≤ 1")
