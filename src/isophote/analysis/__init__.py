@@ -49,6 +49,7 @@ _HOME: dict[str, str] = {
     "feature_lines": "curvature.features",
     "field_report": "field_trust",
     "gaussian_curvature": "curvature.discrete",
+    "geodesic_distance": "geodesic",
     "half_edges": "connectivity.half_edges",
     "incircle": "predicates",
     "insphere": "predicates",
