@@ -16,7 +16,7 @@ from isophote.kernels.accel.field_surface import field_surface
 from isophote.kernels.accel.field_trace import trace_field
 from isophote.kernels.base.table import Packed
 from isophote.kernels.forms.tape_entries import pack_interpreters
-from isophote.lower.field_table import FieldPart
+from isophote.lower.field_table import FieldPart, endless
 from isophote.scene.scene import placed_box
 from isophote.shapes.field.evaluate import packed_data
 from isophote.shapes.field.tape import tape_of
@@ -38,7 +38,8 @@ _LARGEST = 1e15
 
 
 class _Lowered(NamedTuple):
-    """One field: its tree, its tables of data, its cube, what rays are clipped to, and its box in the world."""
+    """One field: its tree, its tables of data, its cube, what rays are clipped to, its box in the world, and the size
+    of details."""
 
     tree: FieldTree
     data: Packed
@@ -46,10 +47,12 @@ class _Lowered(NamedTuple):
     side: float
     clip: Matrix
     box: Matrix
+    detail: float
 
 
 def lower_fields(parts: Sequence[FieldPart], surface: int, around: Matrix, threads: int | None = None) -> Packed:
-    """The table of all fields; `surface` is the row of the first one's item among the surfaces.
+    """The table of all fields; `surface` is the row of the first one's item among the surfaces. Beside its arrays
+    stands "horizon", (2, 3): the box in the world within which endless fields are whole, or None where there are none.
 
     `around`, (2, 3), holds what is finite in the scene and the camera: endless fields end HORIZON of its sizes away.
     Raises `SceneError` where a field leaves the range of single precision.
@@ -64,7 +67,8 @@ def lower_fields(parts: Sequence[FieldPart], surface: int, around: Matrix, threa
             lowered[key] = _lower(part, around, threads)
         one = lowered[key]
         found.append(one._replace(box=placed_box(one.clip, part.matrix)))
-    return _packed(parts, found, surface, (trace_field.address, field_surface.address))
+    packed = _packed(parts, found, surface, (trace_field.address, field_surface.address))
+    return Packed(packed.words, packed.arrays | {"horizon": _horizon(around) if endless(parts) else None})
 
 
 def _lower(part: FieldPart, around: Matrix, threads: int | None) -> _Lowered:
@@ -79,7 +83,22 @@ def _lower(part: FieldPart, around: Matrix, threads: int | None) -> _Lowered:
     tape = tape_of(part.field.form, region)
     data = packed_data(tape)
     tree = build_field_tree(tape.rows, data.words, low, side, threads)
-    return _Lowered(tree, data, low, side, clip, clip)
+    detail = float((box[1] - box[0]).min())
+    if not np.isfinite(part.field.bounds).all():
+        detail = min(detail, _extent(around))
+    return _Lowered(tree, data, low, side, clip, clip, detail)
+
+
+def _extent(around: Matrix) -> float:
+    """The longest edge of what is finite."""
+    return max(float((around[1] - around[0]).max()), 1e-3)
+
+
+def _horizon(around: Matrix) -> Matrix:
+    """The box in the world that endless fields reach to."""
+    reach = HORIZON * _extent(around)
+    horizon: Matrix = around + np.array([[-reach], [reach]])
+    return horizon
 
 
 def _finite_box(part: FieldPart, around: Matrix) -> Matrix:
@@ -87,16 +106,15 @@ def _finite_box(part: FieldPart, around: Matrix) -> Matrix:
     bounds = np.asarray(part.field.bounds, np.float64)
     if np.isfinite(bounds).all():
         return bounds
-    reach = HORIZON * max(float((around[1] - around[0]).max()), 1e-3)
     inverse = np.linalg.inv(part.matrix).astype(np.float64)
-    horizon = placed_box(around + np.array([[-reach], [reach]]), inverse)
+    horizon = placed_box(_horizon(around), inverse)
     return np.stack([np.maximum(bounds[0], horizon[0]), np.minimum(bounds[1], horizon[1])])
 
 
 def _packed(parts: Sequence[FieldPart], found: Sequence[_Lowered], surface: int, entries: tuple[int, int]) -> Packed:
     """All fields in one table; fields that share a tree have it once."""
     rows, tapes, nodes = [np.zeros(0, np.int32)], [np.zeros((0, 2), np.int32)], [np.zeros(0, np.int32)]
-    numbers, cubes = np.zeros((len(parts), 4), np.int32), np.zeros((len(parts), 12), np.float32)
+    numbers, cubes = np.zeros((len(parts), 4), np.int32), np.zeros((len(parts), 13), np.float32)
     starts: dict[int, tuple[int, int]] = {}
     row, tape, node, longest = 0, 0, 0, 0
     for k, (part, one) in enumerate(zip(parts, found, strict=True)):
@@ -113,7 +131,7 @@ def _packed(parts: Sequence[FieldPart], found: Sequence[_Lowered], surface: int,
         numbers[k] = root, tree.levels, first_tape, surface + k
         reach = max(float(np.abs(one.low).max()), float(np.abs(one.low + one.side).max()))
         stretch = float(np.abs(part.matrix[:3, :3]).sum(axis=1).max())
-        cubes[k] = *one.low, one.side, *one.clip[0], *one.clip[1], stretch, _LEAST_STEP * reach
+        cubes[k] = *one.low, one.side, *one.clip[0], *one.clip[1], stretch, _LEAST_STEP * reach, one.detail
     boxes = np.array([one.box for one in found], np.float32).reshape(-1, 2, 3)
     top = build_boxes(boxes[:, 0], boxes[:, 1]) if len(found) > 1 else None
     data = _data(found)

@@ -92,11 +92,14 @@ def _fields(parts: _Parts, finite: npt.NDArray[np.float64], threads: int | None)
 def _finite_bounds(
     scene: Scene, meshes: npt.NDArray[np.float32], fields: Sequence[FieldPart]
 ) -> npt.NDArray[np.float64]:
-    """(2, 3): a box around all meshes and fields that have bounds, and the camera where some field has none."""
-    boxes = [meshes.astype(np.float64)] + [placed_box(part.field.bounds, part.matrix) for part in fields]
-    finite = [box for box in boxes if np.isfinite(box).all()]
+    """(2, 3): a box around all that is finite: meshes, fields as far as they have bounds, and, where some have none,
+    the camera and what it looks at."""
+    bounds = [np.asarray(part.field.bounds, np.float64) for part in fields]
+    boxes = [placed_box(np.where(np.isfinite(b), b, 0.0), p.matrix) for b, p in zip(bounds, fields, strict=True)]
+    finite = [meshes.astype(np.float64)] if np.isfinite(meshes).all() else []
+    finite += boxes
     if endless(fields) and scene.camera is not None:
-        finite.append(np.array([scene.camera.eye, scene.camera.eye]))
+        finite += [np.array([place, place]) for place in (scene.camera.eye, scene.camera.target)]
     return np.stack([np.min([box[0] for box in finite], axis=0), np.max([box[1] for box in finite], axis=0)])
 
 

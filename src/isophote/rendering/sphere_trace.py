@@ -77,7 +77,7 @@ class SphereTrace:
 
     max_steps: int = attrs.field(default=512, validator=_steps)
     max_distance: float | None = attrs.field(default=None, validator=_positive)
-    relaxation: float = attrs.field(default=1.4, validator=_number("a number from 1 to 2", 1.0, 2.0))
+    relaxation: float = attrs.field(default=1.3, validator=_number("a number from 1 to 2", 1.0, 2.0))
     epsilon: float = attrs.field(default=0.25, validator=_number("a number above 0", 0.0, above=True))
     marcher: str = attrs.field(default="sphere", validator=_one_of(_MARCHERS))
     step: float | None = attrs.field(default=None, validator=_positive)

@@ -23,6 +23,7 @@ __all__ = ["Hits", "Tracer"]
 
 Floats: TypeAlias = npt.NDArray[np.float32]
 Ints: TypeAlias = npt.NDArray[np.int32]
+_RayArrays: TypeAlias = tuple[Floats, Floats, Floats]
 
 _WRONG = {
     1: "origins must be finite in single precision, but number {number} is not",
@@ -75,7 +76,8 @@ class Hits:
 class Tracer:
     """A scene made ready for rays; `subject` is a shape, an item or a scene. The tree is built once.
 
-    Rays run in single precision. Lights that are no items are not met.
+    Rays run in single precision. Lights that are no items are not met. Endless fields end far away: a thousand sizes of
+    what is finite beside them.
     """
 
     def __init__(self, subject: Shape | Item | Scene, *, accelerator: str = "bvh", threads: int | None = None) -> None:
@@ -100,9 +102,10 @@ class Tracer:
 
         `origins` and `directions` (n, 3), or one row for all; directions may have any length from 1e-8 up. `coherent`
         tells that neighbours in the arrays go much the same way, as a camera's rays do: sixteen are then traced
-        together. Raises `RenderError` for other shapes, NaN, infinite, zero or shorter directions.
+        together. Raises `RenderError` for other shapes, NaN, infinite, zero or shorter directions, and
+        origins so far away that endless fields are not followed there.
         """
-        rays = _rays(origins, directions, max_distance)
+        rays = self._checked(_rays(origins, directions, max_distance))
         count = len(rays[0])
         distance, uv = np.empty(count, np.float32), np.empty((count, 2), np.float32)
         item, primitive, slot, instance = (np.empty(count, np.int32) for _ in range(4))
@@ -129,7 +132,7 @@ class Tracer:
         coherent: bool = False,
     ) -> npt.NDArray[np.bool_]:
         """(n,): whether each ray meets anything at 0 < distance < `max_distance`; arguments as for `closest`."""
-        rays = _rays(origins, directions, max_distance)
+        rays = self._checked(_rays(origins, directions, max_distance))
         blocked = np.zeros(len(rays[0]), np.uint8)
         none = np.zeros(0, np.int32)
         self._run(
@@ -146,10 +149,23 @@ class Tracer:
         )
         return blocked.astype(bool)
 
+    def _checked(self, rays: _RayArrays) -> _RayArrays:
+        """Rays that start where endless fields are whole. Raises `RenderError` for others."""
+        horizon = self._scene.arrays["fields"].arrays.get("horizon")
+        if horizon is not None:
+            outside = ((rays[0] < horizon[0]) | (rays[0] > horizon[1])).any(axis=1)
+            if outside.any():
+                number = int(np.argmax(outside))
+                raise RenderError(
+                    f"origins must lie in the box {horizon.tolist()}, beyond which endless shapes are not followed, "
+                    f"but number {number} is {rays[0][number].tolist()}; give the shapes bounds"
+                )
+        return rays
+
     def _run(
         self,
         kernel: Callable[..., tuple[int, int]],
-        rays: tuple[Floats, Floats, Floats],
+        rays: _RayArrays,
         coherent: bool,
         **found: npt.NDArray[np.generic],
     ) -> Packed:
@@ -173,9 +189,7 @@ class Tracer:
         return query
 
 
-def _rays(
-    origins: npt.ArrayLike, directions: npt.ArrayLike, max_distance: npt.ArrayLike
-) -> tuple[Floats, Floats, Floats]:
+def _rays(origins: npt.ArrayLike, directions: npt.ArrayLike, max_distance: npt.ArrayLike) -> _RayArrays:
     """Origins, directions (n, 3) and limits (n,), contiguous float32."""
     o, d = (_triples(name, values) for name, values in (("origins", origins), ("directions", directions)))
     try:

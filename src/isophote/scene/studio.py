@@ -87,9 +87,15 @@ def studio(subject: Shape | Item | Sequence[Shape | Item] | Scene, aspect: float
 
 
 def _completed(scene: Scene, aspect: float) -> Scene:
-    camera = frame(scene.bounds, aspect=aspect) if scene.camera is None else scene.camera
-    lights = scene.lights if _has_light(scene) else _lights(scene.bounds)
+    camera = frame(_finite_bounds(scene), aspect=aspect) if scene.camera is None else scene.camera
+    lights = scene.lights if _has_light(scene) else _lights(_finite_bounds(scene))
     return scene.with_(camera=camera, lights=lights)
+
+
+def _finite_bounds(scene: Scene) -> npt.NDArray[np.float64]:
+    """Bounds of what is finite in a scene; of everything, which is then refused, where nothing is."""
+    items = tuple(item for item in scene.items if np.isfinite(item.bounds).all())
+    return Scene(items).bounds if items else scene.bounds
 
 
 def _has_light(scene: Scene) -> bool:

@@ -63,9 +63,10 @@ _MANTISSA, _BIAS = np.int64(23), np.int64(127)
 
 # Gaps are proven with this much to spare, for the rounding of positions.
 _SPARE = np.float32(1 + 2.0**-10)
-# Where a ray starts within a region, it usually leaves a surface: how near its first points lie, in parts of the side.
+# Where a ray starts within a region, it usually leaves a surface: how near its first points lie, in parts of the
+# details' size.
 _NEAR = np.float32(2.0**-16)
-# A crossing is looked at closer until its gap is so short in parts of the root's side; a line finds it there.
+# A crossing is looked at closer until its gap is so short in parts of the details' size; a line finds it there.
 _CLOSE = np.float32(2.0**-13)
 # Looks after which a ray that still cannot be told from the surface has met it.
 _PASSES = np.int64(1024)
@@ -84,7 +85,7 @@ _RESULT = np.int64(op.INPUTS - 1)
 
 
 class Line(NamedTuple):
-    """A ray in a field's space: origin, unit direction, the least step and the side of the root region."""
+    """A ray in a field's space: origin, unit direction, the least step, and the size of details."""
 
     x: float
     y: float
@@ -93,7 +94,7 @@ class Line(NamedTuple):
     dy: float
     dz: float
     least: float
-    side: float
+    detail: float
 
 
 class Tape(NamedTuple):
@@ -294,9 +295,9 @@ def first_crossing(fields, data, tape, line, start, end, sign, leaves, any_hit, 
     place is only near. `slots`, `places` and `choices` are scratch.
     """
     slope = _SPARE * tape.lipschitz
-    close = max(line.side * _CLOSE, _GROWTH * line.least)
+    close = max(line.detail * _CLOSE, _GROWTH * line.least)
     base = np.int64(0)
-    _look(fields, data, tape, line, start, end, line.side * _NEAR if leaves else end, slots, places, base)
+    _look(fields, data, tape, line, start, end, line.detail * _NEAR if leaves else end, slots, places, base)
     if sign == _ZERO:
         sign = -_ONE if load_float(places, _POINTS) < _ZERO else _ONE
     if not tape.lipschitz < _FAR:

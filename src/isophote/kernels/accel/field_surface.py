@@ -32,7 +32,7 @@ _RESULT, _ONE_VECTOR = np.int64(op.INPUTS - 1), np.int64(1)
 _LEAST_ERROR = np.float32(2.0**-22)
 _TRIES, _LANES = np.int64(8), np.int64(16)
 _TRY_MASK = np.int32(0xFF)
-# Newton's step is at most so long in parts of the root region's side.
+# Newton's step is at most so long in parts of the details' size.
 _LONGEST_STEP = np.float32(2.0**-12)
 
 open_fields_at = opener_at(FIELDS)
@@ -131,7 +131,7 @@ def field_surface(fields_address, scratch_address):
     toward = -normalise(vec3(np.float32(dx), np.float32(dy), np.float32(dz)))
     value, gradient = _gradient(fields, data, tape, p, toward * (_reach(p) * _LEAST_ERROR), slots)
     if dot(gradient, gradient) > _ZERO:
-        p = _onto_surface(p, value, gradient, fields.cubes[k, layout.SIDE])
+        p = _onto_surface(p, value, gradient, fields.cubes[k, layout.DETAIL])
     else:
         # Where nothing is known of the slope, the surface faces the ray.
         gradient = toward

@@ -92,7 +92,7 @@ def _enter(fields, k, origin, direction, t_max):
     cells = np.float32(1 << (2 * fields.numbers[k, layout.LEVELS])) / side
     vx, vy, vz = ux * cells, uy * cells, uz * cells
     return Walk(
-        Line(x, y, z, ux, uy, uz, cubes[k, layout.SHORTEST], side),
+        Line(x, y, z, ux, uy, uz, cubes[k, layout.SHORTEST], cubes[k, layout.DETAIL]),
         (x - cubes[k, layout.CELLS]) * cells,
         (y - cubes[k, layout.CELLS + 1]) * cells,
         (z - cubes[k, layout.CELLS + 2]) * cells,

@@ -23,7 +23,19 @@ from isophote.kernels.base.jit import device
 from isophote.kernels.base.simd import load_float, lowest_bit, store_float, store_int
 from isophote.kernels.trace.sphere_packet import LANES, ROWS, TAPE, VALUE, X, evaluate_lanes, region_at
 
-__all__ = ["GROWTH", "MARCH_ROWS", "NEAR", "SCALE", "START", "STEPS", "T", "enter_field", "march_packet"]
+__all__ = [
+    "EXIT",
+    "GROWTH",
+    "MARCH_ROWS",
+    "NEAR",
+    "SCALE",
+    "START",
+    "STEP",
+    "STEPS",
+    "T",
+    "enter_field",
+    "march_packet",
+]
 
 # Rows behind those of the evaluator. Of a ray: origin where it enters, unit direction, place and end along it, where
 # the region ends and its Lipschitz constant; of the last step: radius, and its length where it has yet to be judged;
@@ -123,27 +135,31 @@ def _move(lanes, lane):
 
 @device
 def _sphere_step(lanes, lane, relaxation):
-    """One step of a lane by the value at its place. Returns whether it has arrived."""
+    """One step of a lane by the value at its place. Returns whether it has arrived, STEP then being how far ahead the
+    surface must be, 0 where that is not known."""
     t, leave = load_float(lanes, T + lane), load_float(lanes, EXIT + lane)
     value = load_float(lanes, VALUE + lane)
     radius = abs(value) / load_float(lanes, SLOPE + lane)
     step = load_float(lanes, STEP + lane)
-    if radius + load_float(lanes, RADIUS + lane) < step:
-        # The spheres do not overlap: back to where the last one ends.
-        store_float(lanes, T + lane, t - step + load_float(lanes, RADIUS + lane))
-        store_float(lanes, STEP + lane, _ZERO)
-        return False
+    before = load_float(lanes, RADIUS + lane)
+    if step > before and (value < _ZERO or radius + before < step):
+        # Through the surface, or the spheres do not overlap: back to where the last one ends. In the first case the
+        # crossing lies between, within the rest of the step.
+        store_float(lanes, T + lane, t - step + before)
+        store_float(lanes, STEP + lane, step - before if value < _ZERO else _ZERO)
+        store_float(lanes, RADIUS + lane, _ZERO)
+        return value < _ZERO
     footprint = load_float(lanes, NEAR + lane) + t * load_float(lanes, GROWTH + lane)
     if value < _ZERO or radius < footprint:
+        store_float(lanes, STEP + lane, _ZERO)
         return True
+    if t + radius >= leave:
+        # The sphere reaches the end of the region, beyond which another constant holds.
+        store_float(lanes, T + lane, leave)
+        store_float(lanes, STEP + lane, _ZERO)
+        return False
     step = radius * relaxation
-    if t + step > leave:
-        # The end of the region is looked at too, unless the sphere reaches it.
-        step = leave - t
-        if radius >= step:
-            store_float(lanes, T + lane, leave)
-            store_float(lanes, STEP + lane, _ZERO)
-            return False
+    step = step if t + step < leave else radius
     store_float(lanes, RADIUS + lane, radius)
     store_float(lanes, STEP + lane, step)
     store_float(lanes, T + lane, t + step)
@@ -173,7 +189,7 @@ def march_packet(fields, k, lanes, active, march, slots):
     """Follow the rays of the lanes `active` (bits) through field `k`; those that arrive are returned, as bits, with
     their places in T. Steps are counted in STEPS."""
     arrived = _NONE
-    for _ in range(march.max_steps):
+    while active != _NONE:
         todo, ready = active, _NONE
         while todo != _NONE:
             bit = todo & -todo
@@ -181,8 +197,8 @@ def march_packet(fields, k, lanes, active, march, slots):
             todo &= todo - _BIT
             step = march.step * load_float(lanes, SCALE + lane)
             left = load_float(lanes, T + lane) >= load_float(lanes, EXIT + lane)
-            # A step that ends at the region's end is judged with the region's tape first.
-            if left and load_float(lanes, STEP + lane) == _ZERO and not _next_region(fields, k, lanes, lane, step):
+            tired = load_float(lanes, STEPS + lane) >= march.max_steps
+            if tired or (left and not _next_region(fields, k, lanes, lane, step)):
                 active &= ~bit
                 continue
             _move(lanes, lane)

@@ -33,7 +33,7 @@ _NOTHING, _DOUBLE_ONE = 0.0, 1.0
 _DARK = np.float32(1e-3)
 # Steps are at least so long in parts of the way so far: soft shadows need no more.
 _LEAST_STEP = np.float32(0.01)
-# The first step off the surface, in parts of the root region's side, and how far a light without a place is.
+# The first step off the surface, in parts of the details' size, and how far a light without a place is.
 _FIRST_STEP, _BEYOND = np.float32(2.0**-10), np.float32(4)
 # Rows in place of those that only the first ray needs: how wide the light is seen, and what is left of it.
 WIDTH, LIGHT = NEAR, GROWTH
@@ -77,7 +77,7 @@ def load_shadow_ray(fields, k, lanes, lane, start, direction, distance, width):
     # Farther away than this all of the field lies behind.
     beyond = _BEYOND * (side + distance_to_field(fields, k, np.float32(x), np.float32(y), np.float32(z)))
     store_float(lanes, END + lane, min(distance * np.float32(speed), beyond))
-    store_float(lanes, T + lane, side * _FIRST_STEP)
+    store_float(lanes, T + lane, cubes[k, layout.DETAIL] * _FIRST_STEP)
     store_float(lanes, RADIUS + lane, _FAR)
     store_float(lanes, SCALE + lane, np.float32(speed))
     store_float(lanes, WIDTH + lane, width)

@@ -1,8 +1,9 @@
 """Sphere tracing: the classic look of fields in real time.
 
 Packets of 4 × 4 pixels are traced through the fields (sphere_march.py) and, for whatever else the scene holds, through
-the tree of triangles. Where a ray has arrived, the crossing nearby is found exactly. Light comes from points, suns and
-the middles of area lights, with hard or soft shadows, and from the sky by how open the surroundings are:
+the tree of triangles. Where a ray has arrived, the crossing nearby is found exactly; a ray that only comes near goes
+on. Light comes from points, suns and the middles of area lights, with hard or soft shadows, and from the sky by how
+open the surroundings are:
 
     L_o = colour / π · Σ E cosθ shadow + colour · L_sky · openness
 """
@@ -13,7 +14,6 @@ import numpy as np
 
 from isophote.kernels.accel import field_layout as layout
 from isophote.kernels.accel.field_chain import closest_field, field_occludes, surface_of
-from isophote.kernels.accel.field_layout import FIELD
 from isophote.kernels.accel.field_march import slots_at, tape_at
 from isophote.kernels.accel.geometry import SCRATCH_WORDS, Hit, closest_hit, occluded
 from isophote.kernels.accel.surface import MATERIAL, PUBLIC, face_number, offset_point
@@ -29,8 +29,19 @@ from isophote.kernels.trace import sphere_pixels as pixel
 from isophote.kernels.trace.camera import camera_ray
 from isophote.kernels.trace.shading import surface_colour, surface_emission
 from isophote.kernels.trace.sphere_lights import light_from
-from isophote.kernels.trace.sphere_march import GROWTH, NEAR, SCALE, START, STEPS, T, enter_field, march_packet
-from isophote.kernels.trace.sphere_packet import LANES, TAPE
+from isophote.kernels.trace.sphere_march import (
+    EXIT,
+    GROWTH,
+    NEAR,
+    SCALE,
+    START,
+    STEP,
+    STEPS,
+    T,
+    enter_field,
+    march_packet,
+)
+from isophote.kernels.trace.sphere_packet import LANES
 from isophote.kernels.trace.sphere_pixels import lane_vec3, set_lane_vec3
 from isophote.kernels.trace.sphere_shadow import LIGHT, load_shadow_ray, occlude_packet, shade_packet
 from isophote.kernels.trace.tables import SCENE
@@ -72,12 +83,14 @@ SPHERE_PICTURE = Table(
 )
 
 _ZERO, _HALF, _ONE = np.float32(0), np.float32(0.5), np.float32(1)
-_FAR, _TWO, _NEAR_MISS = np.float32(np.inf), np.float32(2), np.float32(1)
+_FAR = np.float32(np.inf)
 _BIT, _NONE, _NO_SLOT = np.int32(1), np.int32(0), np.int64(-1)
 _AT = np.int64(SCRATCH_WORDS)
 # A shadow ray ends this much short of its light, in parts of its length.
 _SHADOW_END = np.float32(1 - 1e-4)
 _EDGE = np.int64(4)
+# How far ahead of where a ray has arrived a crossing is looked for, in footprints: slanting rays need more of them.
+_AHEAD = np.float32(16)
 # How the camera's origins and directions change from pixel to pixel (camera.py).
 _OX, _DX = np.int64(1), np.int64(6)
 
@@ -155,11 +168,15 @@ def _trace_field(scene, march, picture, k, active, slots):
     if march.step == _ZERO and not tape_at(fields, root, root).lipschitz < _FAR:
         _find_exactly(scene, picture, inside)
         return
-    arrived = march_packet(fields, k, lanes, inside, march, slots)
-    while arrived != _NONE:
-        lane = np.int64(lowest_bit(arrived))
-        arrived &= arrived - _BIT
-        _arrive(scene, march, picture, k, lane)
+    while inside != _NONE:
+        arrived = march_packet(fields, k, lanes, inside, march, slots)
+        inside = _NONE
+        while arrived != _NONE:
+            bit = arrived & -arrived
+            lane = np.int64(lowest_bit(arrived))
+            arrived &= arrived - _BIT
+            if not _met(scene, march, picture, lane):
+                inside |= bit
 
 
 @device
@@ -173,22 +190,28 @@ def _find_exactly(scene, picture, inside):
 
 
 @device
-def _arrive(scene, march, picture, k, lane):
-    """Keep the crossing next to where a lane's ray has arrived, or that place itself where the ray only comes near."""
+def _met(scene, march, picture, lane):
+    """Keep the crossing next to where a lane's ray has arrived. Where there is none, the ray has only come near: it is
+    brought past what was looked through. Returns whether there is one."""
     lanes, pixels = picture.lanes, picture.pixels
     scale, at = load_float(lanes, SCALE + lane), load_float(lanes, T + lane)
     footprint = (load_float(lanes, NEAR + lane) + at * load_float(lanes, GROWTH + lane)) / scale
     t = load_float(lanes, START + lane) + at / scale
-    around = max(_TWO * footprint, march.step)
-    back = t - min(around, t)
+    back, ahead = (
+        max(t - max(footprint, march.step), _ZERO),
+        t + max(max(_AHEAD * footprint, load_float(lanes, STEP + lane) / scale), march.step),
+    )
     origin, direction = lane_vec3(pixels, pixel.ORIGIN, lane), lane_vec3(pixels, pixel.DIRECTION, lane)
-    limit = Hit(min(load_float(pixels, pixel.DISTANCE + lane), t + around) - back, _ZERO, _ZERO, _NO_SLOT, np.int64(0))
+    limit = Hit(min(load_float(pixels, pixel.DISTANCE + lane), ahead) - back, _ZERO, _ZERO, _NO_SLOT, np.int64(0))
     hit = closest_field(scene.fields, origin + direction * back, direction, limit, picture.scratch)
     if hit.slot != _NO_SLOT:
         _keep(pixels, lane, Hit(back + hit.t, _ZERO, _ZERO, hit.slot, hit.instance))
-    else:
-        tape = np.int64(load_int(lanes, TAPE + lane))
-        _keep(pixels, lane, Hit(t, _NEAR_MISS, _ZERO, np.int64(FIELD) - tape, np.int64(k)))
+        return True
+    store_float(lanes, T + lane, at + (ahead - t) * scale)
+    store_float(lanes, STEP + lane, _ZERO)
+    # The region is looked up again, for the ray may have left it.
+    store_float(lanes, EXIT + lane, _ZERO)
+    return False
 
 
 @device
@@ -224,9 +247,7 @@ def _surfaces(scene, picture, active, x0, y0):
             continue
         origin = lane_vec3(pixels, pixel.ORIGIN, lane)
         surface = surface_of(scene.geometry, scene.surfaces, scene.fields, origin, direction, hit, picture.scratch)
-        # A ray that only comes near a field's edge may see its normal from behind.
-        outside = dot(surface.shading, direction) < _ZERO or (hit.slot < 0 and hit.weight1 == _NEAR_MISS)
-        seen = surface.shading if outside else -surface.shading
+        seen = surface.shading if dot(surface.shading, direction) < _ZERO else -surface.shading
         colour = surface_colour(scene, surface)
         emitted, two_sided = surface_emission(scene, surface)
         shines = two_sided or dot(direction, surface.normal) < _ZERO
