@@ -34,9 +34,12 @@ __all__ = ["new_output", "new_work", "pack_contour"]
 @cache
 def _places() -> npt.NDArray[np.int32]:
     """Where the cell of each code lies in its block."""
-    code = np.arange(BLOCK**3)
-    bits = [sum((code >> (3 * bit + axis) & 1) << bit for bit in range(3)) for axis in range(3)]
-    return (bits[0] + 16 * bits[1] + 256 * bits[2]).astype(np.int32)
+    code = np.arange(BLOCK**3, dtype=np.int32)
+    places = np.zeros_like(code)
+    for axis in range(3):
+        for bit in range(3):
+            places |= (code >> (3 * bit + axis) & 1) << (4 * axis + bit)
+    return places
 
 
 def pack_contour(rows: Any, axes: Any, reach: float, sharp: bool) -> Packed:
