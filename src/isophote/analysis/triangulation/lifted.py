@@ -16,7 +16,7 @@ from isophote.analysis.triangulation.plane import Triangles
 from isophote.analysis.triangulation.space import Tetrahedra, same_points
 from isophote.errors import GeometryError
 
-__all__ = ["lifted_plane", "lifted_space", "outer_facets", "qhull_simplices"]
+__all__ = ["boundary_cycle", "lifted_plane", "lifted_space", "outer_facets", "qhull_simplices"]
 
 FloatArray: TypeAlias = npt.NDArray[np.float64]
 IntArray: TypeAlias = npt.NDArray[np.int32]
@@ -25,12 +25,7 @@ IntArray: TypeAlias = npt.NDArray[np.int32]
 def lifted_plane(points: FloatArray) -> Triangles:
     """The Delaunay triangulation of points (n, 2)."""
     corners, neighbours, representative = _lower(points)
-    sides = outer_facets(corners, neighbours)
-    following = dict(zip(sides[:, 0].tolist(), sides[:, 1].tolist(), strict=True))
-    hull = [int(sides[0, 0])]
-    while following[hull[-1]] != hull[0]:
-        hull.append(following[hull[-1]])
-    return Triangles(corners, neighbours, np.array(hull, np.int32), representative)
+    return Triangles(corners, neighbours, boundary_cycle(corners, neighbours), representative)
 
 
 def lifted_space(points: FloatArray) -> Tetrahedra:
@@ -54,6 +49,16 @@ def _lower(points: FloatArray) -> tuple[IntArray, IntArray, IntArray]:
     number = np.full(len(lower) + 1, -1, np.int32)
     number[:-1][lower] = np.arange(np.count_nonzero(lower), dtype=np.int32)
     return corners[lower], number[facets.neighbours[lower]], representative
+
+
+def boundary_cycle(corners: IntArray, neighbours: IntArray) -> IntArray:
+    """Points along the outer boundary of triangles, counterclockwise; it goes round once."""
+    sides = outer_facets(corners, neighbours)
+    following = dict(zip(sides[:, 0].tolist(), sides[:, 1].tolist(), strict=True))
+    cycle = [int(sides[0, 0])]
+    while following[cycle[-1]] != cycle[0]:
+        cycle.append(following[cycle[-1]])
+    return np.array(cycle, np.int32)
 
 
 def outer_facets(corners: IntArray, neighbours: IntArray) -> IntArray:
