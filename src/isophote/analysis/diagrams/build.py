@@ -13,9 +13,9 @@ from isophote.analysis.arrays import read_only
 from isophote.analysis.crew import pieces, run
 from isophote.analysis.diagrams.region import region
 from isophote.analysis.diagrams.result import Voronoi
-from isophote.analysis.diagrams.sweep import Sides, scaled, side_signs, swept
+from isophote.analysis.diagrams.sweep import Dual, Sides, divided, swept
 from isophote.analysis.triangulation.given import finite_points
-from isophote.analysis.triangulation.plane import Triangles, triangulate_plane
+from isophote.analysis.triangulation.plane import Triangles
 from isophote.analysis.triangulation.result import Delaunay
 from isophote.errors import GeometryError
 from isophote.kernels.measure import diagram
@@ -26,7 +26,7 @@ FloatArray: TypeAlias = npt.NDArray[np.float64]
 IntArray: TypeAlias = npt.NDArray[np.int32]
 
 _GRAIN = 65536
-_METHODS = {"sweep": swept, "dual": triangulate_plane}
+_METHODS = {"sweep": swept, "dual": divided}
 
 
 def voronoi(
@@ -60,12 +60,12 @@ def lloyd(points: npt.ArrayLike, bounds: npt.ArrayLike | None = None, iterations
     return found
 
 
-def _diagram(points: FloatArray, bounds: npt.ArrayLike | None, found: Triangles) -> Voronoi:
-    sides = side_signs(points, found.corners, found.neighbours)
-    vertices, vertex = _vertices(points, found, sides)
+def _diagram(points: FloatArray, bounds: npt.ArrayLike | None, dual: Dual) -> Voronoi:
+    found, sides, middles = dual
+    vertices, vertex = _vertices(found, sides, middles)
     edges, sites = _edges(found, sides, vertex)
     flat = np.zeros(found.corners.shape, np.bool_)
-    dual = Delaunay(
+    triangulation = Delaunay(
         read_only(points),
         read_only(found.corners),
         read_only(found.neighbours),
@@ -81,19 +81,13 @@ def _diagram(points: FloatArray, bounds: npt.ArrayLike | None, found: Triangles)
         read_only(sites),
         read_only(found.representative),
         region(bounds, points),
-        dual,
+        triangulation,
     )
 
 
-def _vertices(points: FloatArray, found: Triangles, sides: Sides) -> tuple[FloatArray, IntArray]:
+def _vertices(found: Triangles, sides: Sides, middles: FloatArray) -> tuple[FloatArray, IntArray]:
     """(v, 2) vertices, and the number of that of each triangle: the same for triangles on one circle."""
     count = len(found.corners)
-    middles = np.empty((count, 2))
-    small = scaled(points)
-    run(diagram.centres, [(small, found.corners, *piece, middles) for piece in pieces(count, _GRAIN)])
-    if small is not points:
-        with np.errstate(over="ignore"):
-            middles = np.ldexp(middles, int(np.frexp(np.abs(points).max())[1]))
     if sides.ties == 0:
         return middles, np.arange(count, dtype=np.int32)
     triangle, side = np.nonzero((sides.signs == 0) & (found.neighbours >= 0))

@@ -13,7 +13,7 @@ from isophote.analysis.triangulation.plane import Triangles, triangulate_plane
 from isophote.kernels.measure import diagram, flips, fortune
 from isophote.kernels.measure.fortune_state import TRIANGLES, new_sweep
 
-__all__ = ["Ordered", "Sides", "in_order", "scaled", "side_signs", "swept"]
+__all__ = ["Dual", "Ordered", "Sides", "divided", "in_order", "swept"]
 
 FloatArray: TypeAlias = npt.NDArray[np.float64]
 IntArray: TypeAlias = npt.NDArray[np.int32]
@@ -38,6 +38,14 @@ class Sides(NamedTuple):
     ties: int
 
 
+class Dual(NamedTuple):
+    """A Delaunay triangulation, the signs of its sides, and the middles (m, 2) of the circles of its triangles."""
+
+    triangles: Triangles
+    sides: Sides
+    middles: FloatArray
+
+
 def in_order(points: FloatArray) -> Ordered:
     """The sites of points (n, 2) in the order in which a sweep meets them."""
     order = np.argsort(points[:, 1])
@@ -46,14 +54,14 @@ def in_order(points: FloatArray) -> Ordered:
         order = np.lexsort((points[:, 0], points[:, 1]))
     sites = points[order]
     new = np.ones(len(sites), np.bool_)
-    np.any(sites[1:] != sites[:-1], axis=1, out=new[1:])
+    np.logical_or(sites[1:, 0] != sites[:-1, 0], sites[1:, 1] != sites[:-1, 1], out=new[1:])
     names = order.astype(np.int32)
     representative = np.arange(len(points), dtype=np.int32)
     if not new.all():
         # Sorting by both coordinates keeps the order of equal points: the first of them is the least.
         representative[order] = names[np.flatnonzero(new)][np.cumsum(new) - 1]
         sites, names = sites[new], names[new]
-    return Ordered(scaled(sites), names, representative)
+    return Ordered(np.ascontiguousarray(scaled(sites)), names, representative)
 
 
 def scaled(sites: FloatArray) -> FloatArray:
@@ -74,7 +82,14 @@ def side_signs(points: FloatArray, corners: IntArray, neighbours: IntArray) -> S
     return Sides(signs, sum(wrong for wrong, _ in counts), sum(ties for _, ties in counts))
 
 
-def swept(points: FloatArray) -> Triangles:
+def divided(points: FloatArray) -> Dual:
+    """The Delaunay triangulation of finite points (n, 2), by dividing and conquering."""
+    found = triangulate_plane(points)
+    sides = side_signs(points, found.corners, found.neighbours)
+    return Dual(found, sides, _middles(points, scaled(points), found.corners))
+
+
+def swept(points: FloatArray) -> Dual:
     """The Delaunay triangulation of finite points (n, 2), by Fortune's sweep; its sides are checked, and mended.
 
     Where coordinates span hundreds of binary places, moments of the sweep cannot be told apart in doubles, and what it
@@ -84,14 +99,29 @@ def swept(points: FloatArray) -> Triangles:
     sweep = new_sweep(ordered.sites)
     fortune.advance(sweep.table.words, _EVERYTHING)
     count = int(sweep.counts[TRIANGLES])
+    # Everything is done in the order of the sweep, in which neighbours are near each other in memory.
     corners, neighbours = sweep.triangles[:count], sweep.neighbours[:count]
-    if side_signs(ordered.sites, corners, neighbours).wrong:
+    sides = side_signs(ordered.sites, corners, neighbours)
+    if sides.wrong:
         flips.flip_wrong(ordered.sites.reshape(-1), corners, neighbours)
+        sides = side_signs(ordered.sites, corners, neighbours)
     named = ordered.names[corners]
     hull = _hull(named, neighbours, ordered)
     if count and not _is_whole(points[hull], count, len(ordered.names)):
-        return triangulate_plane(points)
-    return Triangles(named, neighbours, hull, ordered.representative)
+        return divided(points)
+    found = Triangles(named, neighbours, hull, ordered.representative)
+    return Dual(found, sides, _middles(points, ordered.sites, corners))
+
+
+def _middles(points: FloatArray, sites: FloatArray, corners: IntArray) -> FloatArray:
+    """Middles of circles through sites, which are points that may be scaled."""
+    middles = np.empty((len(corners), 2))
+    run(diagram.centres, [(sites, corners, *piece, middles) for piece in pieces(len(corners), _GRAIN)])
+    greatest = np.abs(points).max(initial=0.0)
+    if np.abs(sites).max(initial=0.0) == greatest:
+        return middles
+    with np.errstate(over="ignore"):
+        return np.ldexp(middles, int(np.frexp(greatest)[1]))
 
 
 def _is_whole(hull: FloatArray, triangles: int, points: int) -> bool:

@@ -53,37 +53,44 @@ _ARC_MASK = np.int64(0xFFFFFFFF)
 
 
 @exact_device
+def _rise(times, events, i, time, event):
+    """Put an event into the hole at row i of the heap, or above it."""
+    while i > 0:
+        above = (i - 1) >> 1
+        if times[above] <= time:
+            break
+        times[i], events[i] = times[above], events[above]
+        i = above
+    times[i], events[i] = time, event
+
+
+@exact_device
 def _push(s, time, arc):
     i = s.counts[HEAP]
     s.counts[HEAP] = i + 1
-    while i > 0:
-        above = (i - 1) >> 1
-        if s.times[above] <= time:
-            break
-        s.times[i], s.events[i] = s.times[above], s.events[above]
-        i = above
-    s.times[i] = time
-    s.events[i] = (arc_number(s, arc, STAMP) << _STAMP_BITS) | np.int64(arc)
+    _rise(s.times, s.events, i, time, (arc_number(s, arc, STAMP) << _STAMP_BITS) | np.int64(arc))
 
 
 @exact_device
 def _pop(s):
-    """Take the first event out of the heap."""
+    """Take the first event out of the heap.
+
+    The hole sinks to the bottom, past the lesser of two children each time, and the last event rises from there, mostly
+    not at all: so hardly a step depends on a comparison that cannot be foretold.
+    """
     count = s.counts[HEAP] - 1
     s.counts[HEAP] = count
-    time, arc = s.times[count], s.events[count]
-    i = np.int64(0)
-    while True:
-        child = 2 * i + 1
-        if child >= count:
-            break
-        if child + 1 < count and s.times[child + 1] < s.times[child]:
-            child += 1
-        if s.times[child] >= time:
-            break
-        s.times[i], s.events[i] = s.times[child], s.events[child]
+    # Fields are read anew after each store, which might have changed them; not so these.
+    times, events = s.times, s.events
+    i, child = np.int64(0), np.int64(1)
+    while child + 1 < count:
+        child += np.int64(times[child + 1] < times[child])
+        times[i], events[i] = times[child], events[child]
+        i, child = child, 2 * child + 1
+    if child < count:
+        times[i], events[i] = times[child], events[child]
         i = child
-    s.times[i], s.events[i] = time, arc
+    _rise(times, events, i, times[count], events[count])
 
 
 @exact_device
@@ -139,10 +146,10 @@ def _first_row(s):
 def _site_event(s):
     site = s.counts[SITE]
     s.counts[SITE] = site + 1
-    above, place = find_arc(s, s.sites[2 * site], s.sites[2 * site + 1])
+    above = find_arc(s, s.sites[2 * site], s.sites[2 * site + 1])
     _cancel(s, above)
     arc, rest = new_arc(s, site), new_arc(s, arc_number(s, above, OWNER))
-    insert_behind(s, above, place, arc, rest)
+    insert_behind(s, above, arc, rest)
     # Both breakpoints draw the same edge, in opposite directions.
     edge = new_edge(s, NOTHING)
     _set_edge(s, rest, arc_number(s, above, EDGE))

@@ -1,8 +1,9 @@
 """The beach line of Fortune's sweep: arcs in a list from left to right, and in chunks that are searched by halving.
 
-Arcs are linked to their neighbours. They also stand in chunks of `CHUNK` at most, and the chunks in a directory: to
-find an arc takes a logarithmic number of comparisons, to insert or remove one moves part of a chunk and seldom part of
-the directory.
+Arcs are linked to their neighbours. An arc above a site is looked for near the one that came last at about the same x;
+where that is too far, by halving: arcs also stand in chunks of `CHUNK` at most, and the chunks in a directory. So to
+find one takes few steps mostly, and at worst a logarithmic number; to insert or remove one moves part of a chunk, and
+seldom part of the directory.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from isophote.kernels.measure.fortune_state import (
     CHUNKS,
     DIRECTORY,
     EDGES,
+    FREE,
     FREE_ARC,
     FREE_CHUNK,
     FREE_EDGE,
@@ -26,6 +28,9 @@ from isophote.kernels.measure.fortune_state import (
     OWNER,
     RIGHT,
 )
+
+# As far along the list is walked from a hint before all arcs are searched.
+_FAR = np.int64(12)
 
 __all__ = ["append_arc", "arc_number", "find_arc", "free_edge", "insert_behind", "new_arc", "new_edge", "remove_arc"]
 
@@ -84,8 +89,38 @@ def _is_left(s, b, x, y):
 
 
 @exact_device
+def _hint(s, x):
+    """Where the hint for an x is kept."""
+    at = (x - s.frame[0]) * s.frame[1]
+    return np.int64(at) if at > 0 else np.int64(0)
+
+
+@exact_device
 def find_arc(s, x, y):
-    """(arc, place): the arc above (x, y), on the sweep line, and where its chunk stands in the directory."""
+    """The arc above (x, y), on the sweep line: near the hint, or else by halving."""
+    arc = np.int64(s.hints[_hint(s, x)])
+    if arc < 0 or arc_number(s, arc, OWNER) == FREE:
+        return _search(s, x, y)
+    steps = np.int64(0)
+    if arc_number(s, arc, LEFT) >= 0 and _is_left(s, arc, x, y):
+        while steps < _FAR:
+            arc = arc_number(s, arc, LEFT)
+            if arc_number(s, arc, LEFT) < 0 or not _is_left(s, arc, x, y):
+                return arc
+            steps += 1
+        return _search(s, x, y)
+    while steps < _FAR:
+        following = arc_number(s, arc, RIGHT)
+        if following < 0 or _is_left(s, following, x, y):
+            return arc
+        arc = following
+        steps += 1
+    return _search(s, x, y)
+
+
+@exact_device
+def _search(s, x, y):
+    """The arc above (x, y), by halving the directory, and then a chunk."""
     low, high = np.int64(0), s.counts[DIRECTORY]
     while high - low > 1:
         middle = (low + high) >> 1
@@ -93,15 +128,15 @@ def find_arc(s, x, y):
             high = middle
         else:
             low = middle
-    place, row = low, np.int64(CHUNK) * s.directory[low]
-    low, high = np.int64(0), np.int64(s.sizes[s.directory[place]])
+    chunk = np.int64(s.directory[low])
+    low, high = np.int64(0), np.int64(s.sizes[chunk])
     while high - low > 1:
         middle = (low + high) >> 1
-        if _is_left(s, np.int64(s.chunks[row + middle]), x, y):
+        if _is_left(s, np.int64(s.chunks[CHUNK * chunk + middle]), x, y):
             high = middle
         else:
             low = middle
-    return np.int64(s.chunks[row + low]), place
+    return np.int64(s.chunks[CHUNK * chunk + low])
 
 
 @exact_device
@@ -121,10 +156,9 @@ def _new_chunk(s, place):
 
 
 @exact_device
-def _halve(s, place):
+def _halve(s, chunk):
     """Move the right half of a chunk to a new one behind it."""
-    chunk = np.int64(s.directory[place])
-    other = _new_chunk(s, place + 1)
+    other = _new_chunk(s, _place_in_directory(s, chunk) + 1)
     kept = s.sizes[chunk] >> 1
     moved = s.sizes[chunk] - kept
     for i in range(moved):
@@ -135,9 +169,18 @@ def _halve(s, place):
 
 
 @exact_device
+def _place_in_directory(s, chunk):
+    place = np.int64(0)
+    while s.directory[place] != chunk:
+        place += 1
+    return place
+
+
+@exact_device
 def _place_in_chunk(s, arc, chunk):
+    chunks = s.chunks
     i = CHUNK * chunk
-    while s.chunks[i] != arc:
+    while chunks[i] != arc:
         i += 1
     return i
 
@@ -159,17 +202,19 @@ def append_arc(s, last, arc):
 
 
 @exact_device
-def insert_behind(s, arc, place, first, second):
-    """Put two arcs to the right of an arc, whose chunk stands at `place` in the directory."""
+def insert_behind(s, arc, first, second):
+    """Put two arcs to the right of an arc."""
     if s.sizes[arc_number(s, arc, IN_CHUNK)] + 2 > CHUNK:
-        _halve(s, place)
+        _halve(s, arc_number(s, arc, IN_CHUNK))
     chunk = arc_number(s, arc, IN_CHUNK)
     at = _place_in_chunk(s, arc, chunk) + 1
+    chunks = s.chunks
     for i in range(CHUNK * chunk + s.sizes[chunk] - 1, at - 1, -1):
-        s.chunks[i + 2] = s.chunks[i]
-    s.chunks[at], s.chunks[at + 1] = first, second
+        chunks[i + 2] = chunks[i]
+    chunks[at], chunks[at + 1] = first, second
     s.sizes[chunk] += 2
     s.arcs[ARC * first + IN_CHUNK] = s.arcs[ARC * second + IN_CHUNK] = chunk
+    s.hints[_hint(s, s.places[2 * first])] = first
     after = arc_number(s, arc, RIGHT)
     s.arcs[ARC * arc + RIGHT], s.arcs[ARC * first + LEFT] = first, arc
     s.arcs[ARC * first + RIGHT], s.arcs[ARC * second + LEFT] = second, first
@@ -183,22 +228,25 @@ def remove_arc(s, arc):
     """Take an arc that has neighbours off the beach line, and give it back."""
     chunk = arc_number(s, arc, IN_CHUNK)
     last = s.sizes[chunk] - 1
+    chunks = s.chunks
     for i in range(_place_in_chunk(s, arc, chunk), CHUNK * chunk + last):
-        s.chunks[i] = s.chunks[i + 1]
+        chunks[i] = chunks[i + 1]
     s.sizes[chunk] = last
     if last == 0:
         _drop_chunk(s, chunk)
     left, right = arc_number(s, arc, LEFT), arc_number(s, arc, RIGHT)
     s.arcs[ARC * left + RIGHT], s.arcs[ARC * right + LEFT] = right, left
+    hint = _hint(s, s.places[2 * arc])
+    if s.hints[hint] == arc:
+        s.hints[hint] = left
+    s.arcs[ARC * arc + OWNER] = FREE
     s.arcs[ARC * arc + LEFT] = s.counts[FREE_ARC]
     s.counts[FREE_ARC] = arc
 
 
 @exact_device
 def _drop_chunk(s, chunk):
-    place = np.int64(0)
-    while s.directory[place] != chunk:
-        place += 1
+    place = _place_in_directory(s, chunk)
     s.counts[DIRECTORY] -= 1
     for i in range(place, s.counts[DIRECTORY]):
         s.directory[i] = s.directory[i + 1]

@@ -18,7 +18,7 @@ __all__ = ["centre", "is_ahead", "top"]
 # What may cancel before pairs are used; half of the places of a double.
 _CANCELLED = 2.0**-26
 # Below, what underflowed may count.
-_SMALL = 2.0**-900
+_SMALL = 2.0**-450
 # Bound of the rounding of `is_ahead` in doubles: eight operations on each term.
 _AHEAD_BOUND = 8 * 2.0**-53
 
@@ -84,7 +84,7 @@ def centre(ax, ay, bx, by, cx, cy):
 def top(ax, ay, bx, by, cx, cy):
     """The greatest y of the circle through a, b, c; infinity where that overflows."""
     x, y, area = _from_b(ax, ay, bx, by, cx, cy)
-    reach = math.hypot(x, y)
+    reach = math.sqrt(x * x + y * y)
     above = (abs(y) + reach) / (2 * abs(area))
     if (y < 0) != (area < 0):
         # The middle lies below b: instead of the difference of reach and |y|, which nearly cancel, x² over their sum.

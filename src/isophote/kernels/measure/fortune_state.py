@@ -19,6 +19,7 @@ __all__ = [
     "DIRECTORY",
     "EDGE",
     "EDGES",
+    "FREE",
     "FREE_ARC",
     "FREE_CHUNK",
     "FREE_EDGE",
@@ -47,17 +48,23 @@ SITE, ARCS, EDGES, CHUNKS, FREE_ARC, FREE_EDGE, FREE_CHUNK, HEAP, DIRECTORY, TRI
 OWNER, LEFT, RIGHT, EDGE, STAMP, IN_CHUNK = range(6)
 ARC = 8
 # Arcs that stand side by side in one chunk, at most.
-CHUNK = 64
+CHUNK = 32
+# The site of an arc that is not on the beach line.
+FREE = np.int32(-1)
 # Of an edge without a triangle on its lower side: there is none yet, or there will be none.
 NOTHING, OUTSIDE = np.int32(-1), np.int32(-2)
 # Events that one site and its circles can add.
 _EVENTS_A_SITE = 6
+
+_HINTS = 2
 
 _DOUBLES = ViewType(types.float64, 1)
 
 # sites        (2 n,) coordinates, by y and then by x
 # arcs         (2 n + 2, ARC) numbers, flat; places: the coordinates of the sites of arcs
 # chunks       (c, CHUNK) arcs from left to right, flat; sizes: how many; directory: chunks from left to right
+# hints        (h,) for each part of the sites' width, of the same width, an arc that is or was near, -1 for none;
+#              frame: the least x, and parts for each unit of x
 # times        (6 n,) when circle events are, as a heap; events: arcs in the lower half, stamps in the upper
 # sides        (2 n + 2,) of edges: 3 t + k for side k of the triangle t below, or NOTHING or OUTSIDE
 # triangles    (2 n, 3) corners, flat; neighbours: triangles across the sides opposite them, -1 for none
@@ -69,6 +76,8 @@ SWEEP = Table(
     chunks=INTS,
     sizes=INTS,
     directory=INTS,
+    hints=INTS,
+    frame=_DOUBLES,
     times=_DOUBLES,
     events=LONGS,
     sides=INTS,
@@ -97,6 +106,8 @@ def new_sweep(sites: npt.NDArray[np.float64]) -> Sweep:
     arcs = 2 * count + 2
     # A chunk is halved when it is full, so each has seen half as many new arcs as it can hold.
     chunks = 4 * count // CHUNK + 4
+    # About as many as there are arcs at a time.
+    hints = int(_HINTS * count**0.5) + 1
 
     def numbers(size: int) -> npt.NDArray[np.int32]:
         return np.empty(size, np.int32)
@@ -110,6 +121,8 @@ def new_sweep(sites: npt.NDArray[np.float64]) -> Sweep:
         chunks=numbers(CHUNK * chunks),
         sizes=numbers(chunks),
         directory=numbers(chunks),
+        hints=np.full(hints, -1, np.int32),
+        frame=_frame(sites, hints),
         times=np.empty(_EVENTS_A_SITE * count),
         events=np.empty(_EVENTS_A_SITE * count, np.int64),
         sides=numbers(arcs),
@@ -128,3 +141,11 @@ def new_sweep(sites: npt.NDArray[np.float64]) -> Sweep:
         own["neighbours"].reshape(-1, 3),
         counts,
     )
+
+
+def _frame(sites: npt.NDArray[np.float64], hints: int) -> npt.NDArray[np.float64]:
+    """What turns an x into the number of a hint."""
+    low, high = sites[:, 0].min(initial=np.inf), sites[:, 0].max(initial=-np.inf)
+    with np.errstate(all="ignore"):
+        factor = (hints - 1) / (high - low)
+    return np.array([low, factor if np.isfinite(factor) else 0.0])
