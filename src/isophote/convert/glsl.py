@@ -9,6 +9,8 @@ from importlib import resources
 from typing import Any
 
 import attrs
+import numpy as np
+import numpy.typing as npt
 
 from isophote.convert.glsl_grid import GlslGrid, grid_of
 from isophote.errors import GeometryError
@@ -47,16 +49,17 @@ class GlslField:
         return self.source
 
 
-def to_glsl(shape: Field, name: str = "field") -> GlslField:
+def to_glsl(shape: Field, name: str = "field", region: npt.ArrayLike | None = None) -> GlslField:
     """A GLSL function `float name(vec3 p)` with the values of a field, negative inside.
 
     Parameters become uniforms named `u_` and their name. Outlines, images and meshes become textures with samples of
-    them, `grid0` and so on, so that what is finer than 1/512 of an outline or 1/96 of a mesh is lost. Raises
-    `GeometryError` for names that GLSL does not take.
+    them, `grid0` and so on, so that what is finer than 1/512 of an outline or 1/96 of a mesh is lost. `lipschitz` holds
+    in `region`, (2, 3), the field's bounds if it is None. Raises `GeometryError` for names that GLSL does not take.
     """
     if not _NAME.fullmatch(name) or keyword.iskeyword(name) or name.startswith("gl_"):
         raise GeometryError(f"to_glsl: {name!r} is no name of a GLSL function; use letters, digits and underscores")
-    graph, result = written(shape.form, shape.bounds, symbolic=True)
+    box = shape.bounds if region is None else np.asarray(region, np.float64)
+    graph, result = written(shape.form, box, symbolic=True)
     live = graph.used(result)
     parameters = tuple(graph.nodes[n].constant for n in live if graph.nodes[n].name == "PARAMETER")
     uniforms = tuple(_uniform(parameter) for parameter in parameters)

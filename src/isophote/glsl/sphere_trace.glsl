@@ -24,25 +24,18 @@ vec2 reach(vec3 o, vec3 d) {
     return vec2(max(max(first.x, max(first.y, first.z)), 0.0), min(last.x, min(last.y, last.z)));
 }
 
-// The crossing next to where a ray came near the surface, or that place itself where there is none.
-float refined(vec3 o, vec3 d, float near, float around) {
-    float t = near;
-    for (int i = 0; i < 32 && t < near + around; ++i) {
-        float h = clearance(o + d * t);
-        if (h <= SURFACE) return t + h;
-        t += h;
-    }
-    return near;
-}
-
-// Where a ray meets the field, or -1; `growth` is how much wider a quarter of its pixel gets along the way.
+// Where a ray first meets the field, or -1. Steps are no shorter than a sixteenth of the pixel's width there; `growth` is
+// how much wider a quarter of it gets along the way.
 float march(vec3 o, vec3 d, float growth) {
     vec2 span = reach(o, d);
     float t = span.x;
     for (int i = 0; i < MAX_STEPS && t < span.y; ++i) {
         float h = clearance(o + d * t);
-        if (h < growth * t) return refined(o, d, t, 2.0 * growth * t);
-        t += h;
+        if (h <= SURFACE) {
+            for (int k = 0; k < 4; ++k) t += clearance(o + d * t);
+            return t;
+        }
+        t += max(h, 0.25 * growth * t);
     }
     return -1.0;
 }
@@ -54,7 +47,7 @@ vec3 normalAt(vec3 p) {
 
 // What is left of a light at a distance, seen under an angle of half width atan(width).
 float lit(vec3 p, vec3 d, float far, float width) {
-    float light = 1.0, t = SIDE / 1024.0, before = FAR;
+    float light = 1.0, t = DETAIL / 1024.0, before = FAR, last = 0.0;
     float end = min(far, 4.0 * (SIDE + distanceToBox(p)));
     for (int i = 0; i < MAX_STEPS && t < end; ++i) {
         vec3 q = p + d * t;
@@ -64,14 +57,19 @@ float lit(vec3 p, vec3 d, float far, float width) {
             before = FAR;
             continue;
         }
-        float h = clearance(q);
+        // The value itself is the best guess of the distance; only steps must be proven.
+        float h = field(q);
         if (h <= 0.0) return 0.0;
-        // Where the field rises, the nearest approach is behind, and the last step has told of it.
-        float y = h < before ? h * h / (2.0 * before) : 0.0;
+        // The nearest approach lies behind, where the last sphere and this one meet; where the field rises that was told
+        // by the last step.
+        float y = h < before && before < FAR ? clamp((last * last + (h * h - before * before)) / (2.0 * last), 0.0, min(h, last)) : 0.0;
         light = min(light, sqrt(max(h * h - y * y, 0.0)) / (width * (t - y)));
         if (light <= 1e-3) return 0.0;
         before = h;
-        t += max(h, 0.01 * t);
+        // Where the light may be dimmed, rays go slower, or shadows show their steps as bands.
+        float step = h / max(LIPSCHITZ, 1.0);
+        last = max(h > 2.0 * width * t ? step : 0.5 * step, 0.01 * t);
+        t += last;
     }
     return light;
 }

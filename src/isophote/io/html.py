@@ -27,7 +27,7 @@ from isophote.scene.studio import studio
 from isophote.shapes.field.field import Field
 from isophote.shapes.field.vary import with_values
 
-__all__ = ["page_of", "write_html"]
+__all__ = ["page_of", "shader_of", "write_html"]
 
 # Where no Lipschitz constant is known, steps are this part of the field's value.
 _CAREFUL = 2.0
@@ -50,11 +50,10 @@ def page_of(shape: Field, title: str) -> str:
     """The text of the page."""
     if not np.isfinite(shape.bounds).all():
         raise FileError(title, "an endless field has no view of its own; intersect it with a box first")
-    glsl = to_glsl(shape)
-    scene = studio(shape)
+    fragment, glsl, view = shader_of(shape, "300 es")
     model = {
         "title": title,
-        "view": _view(scene),
+        "view": view,
         "parameters": _sliders(glsl),
         "grids": [_texture(grid) for grid in glsl.grids],
     }
@@ -65,17 +64,21 @@ def page_of(shape: Field, title: str) -> str:
         # "</" would end the element.
         "model": json.dumps(model).replace("</", "<\\/"),
         "vertex": _file("page.vert"),
-        "fragment": fragment_shader(glsl, scene, shape),
+        "fragment": fragment,
         "script": _file("page.js"),
     }
     return Template(_file("page.html")).substitute(fields)
 
 
-def fragment_shader(glsl: GlslField, scene: Scene, shape: Field, version: str = "300 es") -> str:
-    """The fragment shader of a field in its studio, for `#version 300 es` or `330 core`."""
+def shader_of(shape: Field, version: str) -> tuple[str, GlslField, dict[str, Any]]:
+    """The fragment shader of a field in its studio, for `#version 300 es` or `330 core`, the field's own part of it,
+    and the view as an orbit: target, distance, yaw, pitch and field of view in radians."""
+    box = _box(shape)
+    glsl, scene = to_glsl(shape, region=_cube(box)), studio(shape)
     precision = "precision highp float;\nprecision highp int;\n" if version.endswith("es") else ""
-    constants = "\n".join(f"const {kind} {name} = {value};" for kind, name, value in _constants(glsl, scene, shape))
-    return f"#version {version}\n{precision}\n{constants}\n\n{glsl.source}\n{_file('sphere_trace.glsl')}"
+    constants = "\n".join(f"const {kind} {name} = {value};" for kind, name, value in _constants(glsl, scene, box))
+    source = f"#version {version}\n{precision}\n{constants}\n\n{glsl.source}\n{_file('sphere_trace.glsl')}"
+    return source, glsl, _view(scene)
 
 
 def _file(name: str) -> str:
@@ -117,10 +120,9 @@ def _view(scene: Scene) -> dict[str, Any]:
     }
 
 
-def _constants(glsl: GlslField, scene: Scene, shape: Field) -> list[tuple[str, str, str]]:
+def _constants(glsl: GlslField, scene: Scene, box: npt.NDArray[np.float64]) -> list[tuple[str, str, str]]:
     """What the shader knows of the studio: type, name and value of each constant."""
-    box = _box(shape)
-    edge, diagonal = float((box[1] - box[0]).max()), float(np.linalg.norm(np.diff(shape.bounds, axis=0)))
+    edge, diagonal = float((box[1] - box[0]).max()), float(np.linalg.norm(box[1] - box[0]))
     key = next(light for light in scene.lights if isinstance(light, RectLight))
     sky = next(light for light in scene.lights if isinstance(light, Sky))
     ground = scene.items[-1]
@@ -131,6 +133,7 @@ def _constants(glsl: GlslField, scene: Scene, shape: Field) -> list[tuple[str, s
         ("vec3", "BOX_LOW", _vector(box[0] - _BEYOND * edge)),
         ("vec3", "BOX_HIGH", _vector(box[1] + _BEYOND * edge)),
         ("float", "SIDE", _number(edge * (1 + 4 * _BEYOND))),
+        ("float", "DETAIL", _number(float((box[1] - box[0]).min()))),
         ("float", "SURFACE", _number(diagonal * 1e-6)),
         ("float", "NORMAL_STEP", _number(diagonal * 1e-4)),
         ("float", "OCCLUSION", _number(diagonal / 12)),
@@ -146,12 +149,19 @@ def _constants(glsl: GlslField, scene: Scene, shape: Field) -> list[tuple[str, s
     ]
 
 
+def _cube(box: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """The cube about a box in which a field is traced."""
+    edge = float((box[1] - box[0]).max())
+    half = edge * (0.5 + 3 * _BEYOND)
+    return np.stack([box.mean(axis=0) - half, box.mean(axis=0) + half])
+
+
 def _box(shape: Field) -> npt.NDArray[np.float64]:
     """A box that holds the field wherever its sliders stand: at their ends, all of them or one by one."""
     parameters = {p.name: p for p in to_glsl(shape).parameters}
     ends = [{name: getattr(p, end) for name, p in parameters.items()} for end in ("low", "high")]
     ends += [{name: getattr(p, end)} for name, p in parameters.items() for end in ("low", "high")]
-    boxes = np.stack([shape.bounds, *(with_values(shape.form, values).bounds for values in ends)])
+    boxes = np.stack([shape.bounds, *(Field(with_values(shape.form, values)).bounds for values in ends)])
     return np.stack([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])
 
 

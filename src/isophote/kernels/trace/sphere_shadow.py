@@ -2,8 +2,9 @@
 
 On its way to a light a ray passes an obstacle at the distance h after the length t. A light that is seen under the half
 angle atan w is whole as long as h / t ≥ w everywhere; what is left of it is told by the least h / (w t) (Quílez, "soft
-shadows"). Between two steps the nearest approach is found from both spheres (Aaltonen, 2018): y = h² / 2 h', d =
-√(h² − y²), after the length t − y. Where w → 0, the shadow is the hard one.
+shadows"). Between two steps s apart the nearest approach is found where both spheres meet, at y = (s² + h² − h'²) / 2 s
+before the second: d = √(h² − y²), after the length t − y (after Aaltonen, 2018). Where w → 0, the shadow is the hard
+one.
 
 Occlusion compares the field's values at a few points along the normal with their distances, which are equal where
 nothing is around.
@@ -19,11 +20,12 @@ from isophote.kernels.accel import field_layout as layout
 from isophote.kernels.accel.field_march import affine_doubles, tape_at
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.simd import load_float, load_int, lowest_bit, store_float, store_int
-from isophote.kernels.trace.sphere_march import DX, DY, DZ, END, GROWTH, NEAR, OX, OY, OZ, RADIUS, SCALE, T
+from isophote.kernels.base.vec import dot, vec3
+from isophote.kernels.trace.sphere_march import DX, DY, DZ, END, GROWTH, NEAR, OX, OY, OZ, RADIUS, SCALE, STEP, T
 from isophote.kernels.trace.sphere_packet import LANES, TAPE, VALUE, X, Y, Z, evaluate_lanes, region_at
 from isophote.kernels.trace.sphere_pixels import NEARBY, NORMAL, OPEN, PLACE, lane_vec3
 
-__all__ = ["LIGHT", "load_shadow_ray", "occlude_packet", "shade_packet"]
+__all__ = ["LIGHT", "load_shadow_ray", "may_dim", "occlude_packet", "shade_packet"]
 
 _ZERO, _HALF, _ONE, _TWO = np.float32(0), np.float32(0.5), np.float32(1), np.float32(2)
 _FAR, _LEAST_SLOPE = np.float32(np.inf), np.float32(1e-6)
@@ -34,7 +36,7 @@ _DARK = np.float32(1e-3)
 # Steps are at least so long in parts of the way so far: soft shadows need no more.
 _LEAST_STEP = np.float32(0.01)
 # The first step off the surface, in parts of the details' size, and how far a light without a place is.
-_FIRST_STEP, _BEYOND = np.float32(2.0**-10), np.float32(4)
+_FIRST_STEP, _BEYOND = np.float32(2.0**-8), np.float32(4)
 # Rows in place of those that only the first ray needs: how wide the light is seen, and what is left of it.
 WIDTH, LIGHT = NEAR, GROWTH
 _TAPS = np.int64(5)
@@ -61,6 +63,21 @@ def _place(fields, k, lanes, lane, x, y, z):
     else:
         _, tape, _, _, _, _ = region_at(fields, k, x, y, z)
     store_int(lanes, TAPE + lane, np.int32(tape))
+
+
+@device
+def may_dim(fields, k, start, direction, width):
+    """Whether any of field `k`'s ball is seen from a place within the half angle atan `width` of a unit direction."""
+    cubes, at = fields.cubes, layout.BALL
+    to_ball = vec3(cubes[k, at] - start.x, cubes[k, at + 1] - start.y, cubes[k, at + 2] - start.z)
+    radius, distance2 = cubes[k, at + 3], dot(to_ball, to_ball)
+    if distance2 <= radius * radius:
+        return True
+    # cos(α + β) for sin α = radius / distance, tan β = width.
+    inverse = _ONE / math.sqrt(distance2)
+    sine, cosine = radius * inverse, math.sqrt(_ONE - radius * radius / distance2)
+    hypotenuse = math.sqrt(_ONE + width * width)
+    return dot(to_ball, direction) * inverse * hypotenuse >= cosine - sine * width
 
 
 @device
@@ -108,22 +125,33 @@ def _to_next(fields, k, lanes, lane):
 def _dim(fields, k, lanes, lane):
     """Take the value at a lane's place into account, and step on. Returns whether any light is left."""
     root = np.int64(fields.numbers[k, layout.ROOT_TAPE])
-    slope = max(tape_at(fields, root, np.int64(load_int(lanes, TAPE + lane))).lipschitz, _LEAST_SLOPE)
+    # The constant of the whole field, not of the region: places of steps are seen in penumbras, and must not jump.
+    slope = tape_at(fields, root, root).lipschitz
+    if not slope < _FAR:
+        slope = max(tape_at(fields, root, np.int64(load_int(lanes, TAPE + lane))).lipschitz, _LEAST_SLOPE)
     t, light = load_float(lanes, T + lane), load_float(lanes, LIGHT + lane)
-    h, before = load_float(lanes, VALUE + lane) / slope, load_float(lanes, RADIUS + lane)
+    # The value itself is the best guess of the distance; only steps must be proven.
+    h, before = load_float(lanes, VALUE + lane), load_float(lanes, RADIUS + lane)
     if h <= _ZERO:
         light = _ZERO
     else:
-        # Where the field rises, the nearest approach is behind, and the last step has told of it.
-        y = h * h / (before + before) if h < before else _ZERO
+        # The nearest approach lies behind, where the last sphere and this one meet; where the field rises that was told
+        # by the last step.
+        last = load_float(lanes, STEP + lane)
+        y = _ZERO
+        if h < before and before < _FAR:
+            y = min(max((last * last + (h * h - before * before)) / (last + last), _ZERO), min(h, last))
         near = math.sqrt(max(h * h - y * y, _ZERO))
         light = min(light, near / (load_float(lanes, WIDTH + lane) * (t - y)))
     light = light if light > _DARK else _ZERO
     store_float(lanes, LIGHT + lane, light)
     store_float(lanes, RADIUS + lane, h)
-    # Where the light may be dimmed, rays go slower, or shadows show their steps as bands.
-    whole = h > _TWO * load_float(lanes, WIDTH + lane) * t
-    store_float(lanes, T + lane, t + max(h if whole else h * _HALF, t * _LEAST_STEP))
+    # Where the light may be dimmed more, rays go slower, or shadows show their steps as bands.
+    whole = h > min(before, _TWO * load_float(lanes, WIDTH + lane) * t)
+    step = h / max(slope, _ONE)
+    step = max(step if whole else step * _HALF, t * _LEAST_STEP)
+    store_float(lanes, STEP + lane, step)
+    store_float(lanes, T + lane, t + step)
     return light > _ZERO
 
 
