@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from field_tapes import bounds_of, gradients_of, tape_row, values_of
@@ -182,6 +182,8 @@ def test_points_that_are_not_finite_have_no_value(operator: str, name: str, tabl
 CORNERS = st.lists(st.tuples(st.integers(-8, 8), st.integers(-8, 8)), min_size=3, max_size=12)
 
 
+# The last two edges run along each other: both must be met, or neither.
+@example([(0, 0), (1, -4), (8, -1), (-8, -5), (8, -1)], 123)
 @given(CORNERS, st.integers(0, 1 << 30))
 @settings(max_examples=60, deadline=None)
 def test_polygons_of_any_kind(corners: list[tuple[int, int]], seed: int) -> None:

@@ -143,9 +143,10 @@ def _group_winding(arcs, at, x, y, turned):
     if bits(crossing) == 0:
         return np.int64(0)
     zero = splat16(_ZERO)
-    # u(t) = x, made to rise: a t² + 2 b t + c = 0.
-    sign = select(back, splat16(-_ONE), splat16(_ONE))
-    a, b, c = ((u2 - u1) - (u1 - u0)) * sign, (u1 - u0) * sign, (u0 - x) * sign
+    # From the lower end to the upper one: what runs along the same arc both ways must cross at the same place.
+    u0, u2, v0, v2 = select(back, u2, u0), select(back, u0, u2), select(back, v2, v0), select(back, v0, v2)
+    # u(t) = x: a t² + 2 b t + c = 0.
+    a, b, c = (u2 - u1) - (u1 - u0), u1 - u0, u0 - x
     t = (zero - c) / (b + square_root(maximum(b * b - a * c, zero)))
     t = maximum(minimum(t, splat16(_ONE)), zero)
     s = splat16(_ONE) - t
