@@ -11,7 +11,7 @@ from isophote.accel.tree import build_triangles
 from isophote.errors import GeometryError
 from isophote.kernels.accel.layout import BLOCK, LANES, NUMBER
 from isophote.kernels.base.table import Packed
-from isophote.kernels.measure.mesh_distance import MESH_DISTANCE
+from isophote.kernels.measure.mesh_distance import MESH_DISTANCE, RIM_LANES
 
 __all__ = ["MeshDistance", "build_mesh_distance", "rim_of"]
 
@@ -75,42 +75,24 @@ def _scale(points: Points) -> float:
 
 
 def rim_of(points: Points, triangles: Corners) -> Points:
-    """(4, k): the boundary of a mesh as a chain of directed edges, in loops.
+    """(6, k): the boundary of a mesh as a chain of directed edges: x, y, z of their starts and ends.
 
     An edge is there as often as triangles run along it in one direction more than in the other; a closed and oriented
-    mesh has none. Vertices at one place are one vertex. Columns are x, y, z of a loop's vertices, its first one again
-    at the end, and 1 where a loop begins, else 0.
+    mesh has none. Vertices at one place are one vertex. Edges without length make up a multiple of RIM_LANES.
     """
     start, end, count = _chain(triangles)
     if len(start) == 0:
-        return np.empty((4, 0))
+        return np.empty((6, 0))
     chosen = np.unique(np.concatenate([start, end]))
     _, first, same = np.unique(points[chosen] + 0.0, axis=0, return_index=True, return_inverse=True)
     number = np.arange(len(points))
     number[chosen] = chosen[first[same.reshape(-1)]]
     start, end, count = _cancel(number[start], number[end], count)
-    vertices, begins = _loops(np.repeat(start, count), np.repeat(end, count))
-    return np.ascontiguousarray(np.column_stack([points[vertices], begins]).T)
-
-
-def _loops(start: Indices, end: Indices) -> tuple[Indices, npt.NDArray[np.bool_]]:
-    """Vertices of the loops that edges make, of which as many end at a vertex as start there; and where loops begin."""
-    following = np.empty(len(start), np.int64)
-    following[np.argsort(end, kind="stable")] = np.argsort(start, kind="stable")
-    links, vertices, begins = following.tolist(), list[int](), list[bool]()
-    starts, done = start.tolist(), [False] * len(start)
-    for first in range(len(starts)):
-        if done[first]:
-            continue
-        begins.append(True)
-        edge = first
-        while not done[edge]:
-            done[edge] = True
-            vertices.append(starts[edge])
-            begins.append(False)
-            edge = links[edge]
-        vertices.append(starts[first])
-    return np.array(vertices, np.int64), np.array(begins, bool)
+    edges = np.repeat(np.column_stack([start, end]), count, axis=0)
+    missing = -len(edges) % RIM_LANES
+    if missing:
+        edges = np.concatenate([edges, np.tile(edges[0, 0], (missing, 2))])
+    return np.ascontiguousarray(points[edges].reshape(-1, 6).T)
 
 
 def _chain(triangles: Corners) -> tuple[Indices, Indices, Indices]:

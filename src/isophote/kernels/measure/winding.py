@@ -37,7 +37,16 @@ from isophote.kernels.base.simd import (
     splat8,
     store_int,
 )
-from isophote.kernels.measure.mesh_distance import STACK_WORDS, open_mesh, to_single
+from isophote.kernels.base.simd_double import (
+    absolute_doubles,
+    any_negative,
+    double_lane,
+    load_doubles,
+    root_doubles,
+    splat_doubles,
+    where_negative,
+)
+from isophote.kernels.measure.mesh_distance import RIM_LANES, STACK_WORDS, open_mesh, to_single
 
 __all__ = ["crossings", "rim_angle", "winding_numbers", "winding_of"]
 
@@ -52,8 +61,6 @@ _PART, _LEAST = np.float32(2.0**-20), np.float32(2.0**-40)
 _UNDERFLOW = 2.0**-500
 # An angle of hardly less than ±π keeps its sign by such an imaginary part.
 _HARDLY = 2.0**-400
-# A product is brought back to about 1 when it leaves this range.
-_SMALL, _LARGE = 2.0**-150, 2.0**150
 # Real and imaginary parts that leave the sign of the angle to rounding.
 _LITTLE, _UNSURE = 2.0**-300, 2.0**-49
 
@@ -218,11 +225,24 @@ def crossings(mesh, x, y, z, up, stack):
 # --- the rim --------------------------------------------------------------------------------------
 
 
-@exact_apart
-def _half_angle_closely(ax, ay, az, bx, by, bz, x, y, up):
-    """`_half_angle` of the edge from a to b, as seen from (x, y, 0), where its argument may be ±π.
+@device
+def _turned(real, imaginary, r, i):
+    """(the product of two complex numbers, made about 1 in size, the turns that it went round beyond ±π)."""
+    product, other = real * r - imaginary * i, real * i + imaginary * r
+    turns = 0.0
+    if imaginary >= 0.0 and i >= 0.0 and other < 0.0:
+        turns = 1.0
+    elif imaginary < 0.0 and i < 0.0 and other >= 0.0:
+        turns = -1.0
+    size = 1.0 / (abs(product) + abs(other))
+    return product * size, other * size, turns
 
-    Its sign is that of the side on which (x + ε, y + ε²) lies of the edge. A vertex on the ray is to the left of it.
+
+@exact_device
+def _half_angle_closely(ax, ay, az, bx, by, bz, x, y, up):
+    """r and i (`rim_angle`) of the edge from a to b as seen from (x, y, 0), also where the angle may be ±π.
+
+    There its sign is that of the side on which (x + ε, y + ε²) lies of the edge. A vertex on the ray is to the left.
     """
     px, py, qx, qy = ax - x, ay - y, bx - x, by - y
     a_on = px == 0.0 and py == 0.0 and az * up >= 0.0
@@ -230,16 +250,41 @@ def _half_angle_closely(ax, ay, az, bx, by, bz, x, y, up):
     if a_on and b_on:
         return 1.0, 0.0
     if a_on:
-        real, imaginary = -qx, qy
+        real, imaginary = -qx, qy * up
     elif b_on:
-        real, imaginary = -px, py
+        real, imaginary = -px, -py * up
     else:
         a, b = math.sqrt(px * px + py * py + az * az), math.sqrt(qx * qx + qy * qy + bz * bz)
-        real, imaginary = (a - up * az) * (b - up * bz) + (px * qx + py * qy), px * qy - py * qx
-    side = _moved_side(x, y, ax, ay, bx, by, orient2d(x, y, ax, ay, bx, by))
-    imaginary = math.copysign(max(abs(imaginary), _HARDLY), np.float64(-up * side))
+        a_height = (px * px + py * py) / (a + az * up) if az * up > 0.0 else a - az * up
+        b_height = (qx * qx + qy * qy) / (b + bz * up) if bz * up > 0.0 else b - bz * up
+        real, imaginary = a_height * b_height + (px * qx + py * qy), up * (py * qx - px * qy)
+    if real <= 0.0:
+        side = _moved_side(x, y, ax, ay, bx, by, orient2d(x, y, ax, ay, bx, by))
+        imaginary = math.copysign(max(abs(imaginary), _HARDLY), np.float64(-up * side))
     size = 1.0 / (abs(real) + abs(imaginary))
     return real * size, imaginary * size
+
+
+@exact_apart
+def _rim_closely(rim, x, y, z, up):
+    """`rim_angle`, edge by edge."""
+    real, imaginary, turns = 1.0, 0.0, 0.0
+    for k in range(rim.columns):
+        r, i = _half_angle_closely(
+            rim[0, k], rim[1, k], rim[2, k] - z, rim[3, k], rim[4, k], rim[5, k] - z, x, y, up
+        )  # fmt: skip
+        real, imaginary, more = _turned(real, imaginary, r, i)
+        turns += more
+    return turns + math.atan2(imaginary, real) / (2.0 * math.pi)
+
+
+@device
+def _height(x, y, z, zero, one):
+    """(h, f) with h / f = |v| - z of eight vectors v: not by the difference where it would cancel."""
+    square = x * x + y * y
+    length = root_doubles(square + z * z)
+    down = zero - z
+    return where_negative(down, square, length + down), where_negative(down, length + z, one)
 
 
 @device
@@ -248,37 +293,38 @@ def rim_angle(mesh, x, y, z, up):
 
     tan(Ω / 2) of the cone from -d over the edge from a to b is i / r, where, with d = (0, 0, 1),
     r = (|a| - a_z) (|b| - b_z) + a_x b_x + a_y b_y and i = a_y b_x - a_x b_y. Where a_z > 0, |a| - a_z is taken as
-    (a_x² + a_y²) / (|a| + a_z), which does not cancel, and r and i are multiplied by the denominator.
+    (a_x² + a_y²) / (|a| + a_z), and r and i are multiplied by the denominator. The angles are added by multiplying the
+    numbers r + i √-1, in eight lanes, and counting how often the products go round.
     """
     rim = mesh.rim
-    # The angles are added by multiplying the numbers r + i √-1; `turns` counts how often the product went round.
-    real, imaginary, turns = 1.0, 0.0, 0.0
-    ax = ay = az = a_height = a_factor = 0.0
-    for k in range(rim.columns):
-        bx, by, bz = rim[0, k] - x, rim[1, k] - y, rim[2, k] - z
-        square = bx * bx + by * by
-        length, along = math.sqrt(square + bz * bz), bz * up
-        b_height, b_factor = (square, length + along) if along > 0.0 else (length - along, 1.0)
-        if rim[3, k] == 0.0:
-            factor = a_factor * b_factor
-            left, right = ay * bx, ax * by
-            r = a_height * b_height + factor * (ax * bx + ay * by)
-            i = up * factor * (left - right)
-            if r <= _LITTLE * factor and abs(i) <= _UNSURE * factor * (abs(left) + abs(right)):
-                r, i = _half_angle_closely(
-                    rim[0, k - 1], rim[1, k - 1], az, rim[0, k], rim[1, k], bz, x, y, up
-                )  # fmt: skip
-            was = imaginary
-            real, imaginary = real * r - imaginary * i, real * i + imaginary * r
-            if was >= 0.0 and i >= 0.0 and imaginary < 0.0:
-                turns += 1.0
-            elif was < 0.0 and i < 0.0 and imaginary >= 0.0:
-                turns -= 1.0
-            size = abs(real) + abs(imaginary)
-            if size < _SMALL or size > _LARGE:
-                real, imaginary = real / size, imaginary / size
-        ax, ay, az, a_height, a_factor = bx, by, bz, b_height, b_factor
-    return turns + math.atan2(imaginary, real) / (2.0 * math.pi)
+    columns = rim.columns
+    zero, one, sign = splat_doubles(0.0), splat_doubles(1.0), splat_doubles(np.float64(up))
+    x8, y8, z8, part = splat_doubles(x), splat_doubles(y), splat_doubles(z), splat_doubles(_UNSURE)
+    real, imaginary, turns = one, zero, zero
+    for k in range(0, columns, RIM_LANES):
+        ax, ay = load_doubles(rim, k) - x8, load_doubles(rim, columns + k) - y8
+        bx, by = load_doubles(rim, 3 * columns + k) - x8, load_doubles(rim, 4 * columns + k) - y8
+        a_height, a_factor = _height(ax, ay, (load_doubles(rim, 2 * columns + k) - z8) * sign, zero, one)
+        b_height, b_factor = _height(bx, by, (load_doubles(rim, 5 * columns + k) - z8) * sign, zero, one)
+        factor = a_factor * b_factor
+        left, right = ay * bx, ax * by
+        r = a_height * b_height + factor * (ax * bx + ay * by)
+        i = sign * factor * (left - right)
+        sure = absolute_doubles(i) - part * factor * (absolute_doubles(left) + absolute_doubles(right))
+        # Nowhere may the sign of the angle be left to rounding: r is negative or nearly so, and i nearly zero.
+        if any_negative(where_negative(r - splat_doubles(_LITTLE) * factor, sure - splat_doubles(_LITTLE), one)):
+            return _rim_closely(rim, x, y, z, up)
+        product, other = real * r - imaginary * i, real * i + imaginary * r
+        round_up = where_negative(imaginary, zero, where_negative(i, zero, one))
+        round_down = where_negative(imaginary, where_negative(i, one, zero), zero)
+        turns = turns + where_negative(other, round_up, zero - round_down)
+        size = one / (absolute_doubles(product) + absolute_doubles(other))
+        real, imaginary = product * size, other * size
+    all_turns, p, q = 0.0, 1.0, 0.0
+    for k in range(RIM_LANES):
+        p, q, more = _turned(p, q, double_lane(real, np.int64(k)), double_lane(imaginary, np.int64(k)))
+        all_turns += more + double_lane(turns, np.int64(k))
+    return all_turns + math.atan2(q, p) / (2.0 * math.pi)
 
 
 @device
