@@ -65,21 +65,27 @@ class _Split(NamedTuple):
 
 
 class _Store:
-    """Tapes as they are found."""
+    """Tapes as they are found, equal ones once."""
 
     def __init__(self, rows: Ints) -> None:
         self._chunks = [rows]
         self._tables = [np.array([[0, len(rows)]], np.int32)]
+        self._known = {rows.tobytes(): 0}
         self.rows, self.tapes = len(rows), 1
 
-    def add(self, rows: Ints, tapes: Ints) -> int:
-        """Keep tapes whose rows are counted from 0; the number of the first."""
-        first = self.tapes
-        self._chunks.append(rows)
-        self._tables.append(tapes + np.array([self.rows, 0], np.int32))
-        self.rows += len(rows)
-        self.tapes += len(tapes)
-        return first
+    def add(self, rows: Ints, tapes: Ints) -> Ints:
+        """Keep tapes whose rows are counted from 0; their numbers here."""
+        numbers = np.empty(len(tapes), np.int32)
+        for k, (first, count) in enumerate(tapes.tolist()):
+            own = rows[first : first + count]
+            number = self._known.setdefault(own.tobytes(), self.tapes)
+            if number == self.tapes:
+                self._chunks.append(own)
+                self._tables.append(np.array([[self.rows, count]], np.int32))
+                self.rows += count
+                self.tapes += 1
+            numbers[k] = number
+        return numbers
 
     def all_rows(self) -> Ints:
         self._chunks = [np.concatenate(self._chunks)]
@@ -162,8 +168,9 @@ def _split_level(
         own = np.broadcast_to(level.tapes[first:last, None], found.states.shape)
         states.append(found.states)
         if store.rows + len(found.rows) <= _MOST_ROWS:
-            base = np.int32(store.add(found.rows, found.tapes))
-            numbers.append(np.where(found.child_tapes == PARENT, own, found.child_tapes + base))
+            here = np.append(store.add(found.rows, found.tapes), np.int32(0))
+            # PARENT is −1, the last of these.
+            numbers.append(np.where(found.child_tapes == PARENT, own, here[found.child_tapes]))
         else:
             numbers.append(own)
     return np.concatenate(states), np.concatenate(numbers).astype(np.int32)

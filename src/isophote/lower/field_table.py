@@ -48,7 +48,7 @@ def no_fields() -> Packed:
         tapes=np.zeros((0, 2), np.int32),
         nodes=np.zeros(0, np.int32),
         numbers=np.zeros((0, 4), np.int32),
-        cubes=np.zeros((0, 13), np.float32),
+        cubes=np.zeros((0, 17), np.float32),
         to_object=np.zeros((0, 12)),
         to_world=np.zeros((0, 12)),
         data=np.zeros((0, 1), np.int64),

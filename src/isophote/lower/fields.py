@@ -11,7 +11,7 @@ import numpy.typing as npt
 from isophote.accel.field_tree import FieldTree, build_field_tree
 from isophote.accel.tree import build_boxes
 from isophote.errors import SceneError
-from isophote.kernels.accel.field_layout import CHILDREN, FIELDS, FIRST_TAPE, NODE
+from isophote.kernels.accel.field_layout import BALL, CHILDREN, FIELDS, FIRST_TAPE, NODE
 from isophote.kernels.accel.field_surface import field_surface
 from isophote.kernels.accel.field_trace import trace_field
 from isophote.kernels.base.table import Packed
@@ -114,7 +114,7 @@ def _finite_box(part: FieldPart, around: Matrix) -> Matrix:
 def _packed(parts: Sequence[FieldPart], found: Sequence[_Lowered], surface: int, entries: tuple[int, int]) -> Packed:
     """All fields in one table; fields that share a tree have it once."""
     rows, tapes, nodes = [np.zeros(0, np.int32)], [np.zeros((0, 2), np.int32)], [np.zeros(0, np.int32)]
-    numbers, cubes = np.zeros((len(parts), 4), np.int32), np.zeros((len(parts), 13), np.float32)
+    numbers, cubes = np.zeros((len(parts), 4), np.int32), np.zeros((len(parts), 17), np.float32)
     starts: dict[int, tuple[int, int]] = {}
     row, tape, node, longest = 0, 0, 0, 0
     for k, (part, one) in enumerate(zip(parts, found, strict=True)):
@@ -131,7 +131,9 @@ def _packed(parts: Sequence[FieldPart], found: Sequence[_Lowered], surface: int,
         numbers[k] = root, tree.levels, first_tape, surface + k
         reach = max(float(np.abs(one.low).max()), float(np.abs(one.low + one.side).max()))
         stretch = float(np.abs(part.matrix[:3, :3]).sum(axis=1).max())
-        cubes[k] = *one.low, one.side, *one.clip[0], *one.clip[1], stretch, _LEAST_STEP * reach, one.detail
+        cubes[k, :BALL] = *one.low, one.side, *one.clip[0], *one.clip[1], stretch, _LEAST_STEP * reach, one.detail
+        middle = (one.box[0] + one.box[1]) / 2
+        cubes[k, BALL:] = *middle, float(np.linalg.norm(one.box[1] - middle)) * (1 + 1e-6)
     boxes = np.array([one.box for one in found], np.float32).reshape(-1, 2, 3)
     top = build_boxes(boxes[:, 0], boxes[:, 1]) if len(found) > 1 else None
     data = _data(found)

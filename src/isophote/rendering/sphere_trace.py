@@ -112,6 +112,9 @@ class SphereTrace:
         metadata = {"method": repr(self), "seconds": f"{time.monotonic() - began:.3f}"}
         if pool.interrupted:
             metadata["stopped"] = "interrupted before all pixels were traced"
+        for channel in channels.values():
+            # What nobody can write to, a picture shares instead of copying it.
+            channel.flags.writeable = False
         return Image(channels, metadata)
 
     def _march(self, job: Job) -> Packed:

@@ -19,6 +19,7 @@ from isophote.kernels.forms.interpreters import INTERPRETERS
 from isophote.kernels.forms.opcodes import INPUTS
 
 __all__ = [
+    "BALL",
     "CELLS",
     "CHILDREN",
     "CHOICES_AT",
@@ -63,11 +64,12 @@ FIELD = -16
 ROOT_CODE, LEVELS, ROOT_TAPE, SURFACE = 0, 1, 2, 3
 # Columns of `Fields.cubes`: least corner of the root region, its side, least and greatest corner of what rays are
 # clipped to, how much the transform to the world stretches at most, the shortest step that positions can tell apart,
-# and the size of details, by which it is told how well a crossing must be known.
-CELLS, SIDE, LOW, HIGH, STRETCH, SHORTEST, DETAIL = 0, 3, 4, 7, 10, 11, 12
+# and the size of details, by which it is told how well a crossing must be known, middle and radius of a
+# ball around the field in the world.
+CELLS, SIDE, LOW, HIGH, STRETCH, SHORTEST, DETAIL, BALL = 0, 3, 4, 7, 10, 11, 12, 13
 
 # `rows`: all tapes, one after another. `tapes` (t, 2): first row and number of rows of each. `nodes`: all trees.
-# `numbers` (n, 4), `cubes` (n, 13): columns above. `to_object`, `to_world` (n, 12): rows of affine 3 × 4 matrices.
+# `numbers` (n, 4), `cubes` (n, 17): columns above. `to_object`, `to_world` (n, 12): rows of affine 3 × 4 matrices.
 # `data` (n, words): packed FIELD_DATA of each. `top_nodes`, `top_items`: tree over the boxes of the fields in the
 # world. `trace`, `surface`: addresses of the entries that answer for fields (field_trace.py, field_surface.py).
 # `longest`: rows of the longest tape. `interpreters`: addresses of what runs tapes.

@@ -68,6 +68,9 @@ _SPARE = np.float32(1 + 2.0**-10)
 _NEAR = np.float32(2.0**-16)
 # A crossing is looked at closer until its gap is so short in parts of the details' size; a line finds it there.
 _CLOSE = np.float32(2.0**-13)
+# A line finds a crossing to this part of the details' size, where two gaps in turn that are not longer than the other
+# part say so.
+_STRAIGHT, _SHORT = np.float32(2.0**-18), np.float32(2.0**-10)
 # Looks after which a ray that still cannot be told from the surface has met it.
 _PASSES = np.int64(1024)
 _STRETCH, _GROWTH = np.float32(1 / 16), np.float32(16)
@@ -288,6 +291,26 @@ def _nearness(places, base, k, lipschitz, far):
 
 
 @device
+def _straight(places, base, k, detail):
+    """Whether gap `k` and the one before it have so nearly one slope that a line finds the crossing between them."""
+    if k == 0 or load_float(places, base + _point(k + 1)) - load_float(places, base + _point(k)) > _SHORT * detail:
+        return False
+    x0, x1, x2 = (
+        load_float(places, base + _point(k - 1)),
+        load_float(places, base + _point(k)),
+        load_float(places, base + _point(k + 1)),
+    )
+    a, b, c = (
+        load_float(places, base + _POINTS + _point(k - 1)),
+        load_float(places, base + _POINTS + _point(k)),
+        load_float(places, base + _POINTS + _point(k + 1)),
+    )
+    before, slope = (b - a) / (x1 - x0), (c - b) / (x2 - x1)
+    # The line is off by the bend times the gap, over eight slopes, or by a kink's whole bend.
+    return abs(slope - before) * (x2 - x1) <= _STRAIGHT * detail * abs(slope)
+
+
+@device
 def first_crossing(fields, data, tape, line, start, end, sign, leaves, any_hit, slots, places, choices):
     """The first place from `start` to `end` at which the field's sign is not `sign`; 0 takes the sign at the start.
 
@@ -318,7 +341,7 @@ def first_crossing(fields, data, tape, line, start, end, sign, leaves, any_hit, 
             base -= _LEVEL
             continue
         at, to = load_float(places, base + _point(k)), load_float(places, base + _point(k + 1))
-        if crosses and (any_hit or to - at <= close or base == _DEEPEST):
+        if crosses and (any_hit or to - at <= close or base == _DEEPEST or _straight(places, base, k, line.detail)):
             a, b = load_float(places, base + _POINTS + _point(k)), load_float(places, base + _POINTS + _point(k + 1))
             # The line through both values.
             return sign, True, at + (to - at) * (a / (a - b))

@@ -20,7 +20,7 @@ from isophote.kernels.accel.layout import STACK
 from isophote.kernels.base.entry import entry, floats_at, ints_at, opener_at
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.simd import load_float, load_int
-from isophote.kernels.base.vec import vec3
+from isophote.kernels.base.vec import dot, vec3
 from isophote.kernels.forms.field_data import open_field_data
 
 __all__ = ["trace_field"]
@@ -29,6 +29,7 @@ _ZERO, _ONE = np.float32(0), np.float32(1)
 _NOTHING, _DOUBLE_ONE = 0.0, 1.0
 _TINY = np.float32(1e-12)
 _FAR = np.float32(np.inf)
+_BALL_SLACK = np.float32(1 - 2.0**-18)
 _NONE, _WORD = np.int64(-1), np.int64(4)
 
 open_fields_at = opener_at(FIELDS)
@@ -128,15 +129,22 @@ def _past(first, count, direction):
 
 
 @device
-def _region(fields, k, cx, cy, cz):
-    """(code, binary logarithm of the width in cells) of the region that a cell lies in."""
-    shift = np.int64(2 * fields.numbers[k, layout.LEVELS])
-    code = np.int64(fields.numbers[k, layout.ROOT_CODE])
+def _child(cx, cy, cz, shift):
+    return ((cx >> shift) & 3) + 4 * ((cy >> shift) & 3) + 16 * ((cz >> shift) & 3)
+
+
+@device
+def _region(fields, k, cx, cy, cz, node, shift):
+    """(code, binary logarithm of the width in cells, node) of the region that a cell lies in.
+
+    `node`, whose children are 2^`shift` wide, holds the cell; the root's code and width will do.
+    """
+    code = node
     while code > 0:
+        node = code
+        code = np.int64(fields.nodes[node * NODE + _child(cx, cy, cz, shift)])
         shift -= 2
-        child = ((cx >> shift) & 3) + 4 * ((cy >> shift) & 3) + 16 * ((cz >> shift) & 3)
-        code = np.int64(fields.nodes[code * NODE + child])
-    return code, shift
+    return code, shift + 2, node
 
 
 @device
@@ -150,39 +158,37 @@ def _through_field(fields, k, origin, direction, t_max, any_hit, slots, places, 
     root_tape = np.int64(fields.numbers[k, layout.ROOT_TAPE])
     cx, cy, cz = _cell(w.x, 0, size), _cell(w.y, 0, size), _cell(w.z, 0, size)
     s, sign, leaves = _ZERO, _ZERO, w.enter == _NOTHING
+    # Neighbours that share a tape are gone through together: the stretch from `since` on waits for its end.
+    waiting, since = _NONE, _ZERO
+    root, top = np.int64(fields.numbers[k, layout.ROOT_CODE]), np.int64(2 * fields.numbers[k, layout.LEVELS] - 2)
+    node, shift, inside = root, top, True
     while True:
-        code, shift = _region(fields, k, cx, cy, cz)
+        code, shift, node = _region(fields, k, cx, cy, cz, node, shift)
+        tape = layout.FIRST_TAPE - code
+        if waiting >= 0 and (waiting != tape or not inside):
+            sign, found, place = first_crossing(
+                fields, data, tape_at(fields, root_tape, waiting), w.line, since, s, sign, leaves, any_hit, slots,
+                places, choices
+            )  # fmt: skip
+            if found:
+                return np.float32(w.enter + np.float64(place) * w.scale), waiting
+            waiting, leaves = _NONE, False
+        if not inside:
+            return t_max, _NONE
         width = np.int64(1) << shift
         x0, y0, z0 = (cx >> shift) << shift, (cy >> shift) << shift, (cz >> shift) << shift
         sx, sy, sz = _leave(x0, width, w.x, w.ix), _leave(y0, width, w.y, w.iy), _leave(z0, width, w.z, w.iz)
         leave = min(sx, min(sy, sz))
         end = min(max(leave, s), w.end)
-        found, place, tape = False, s, root_tape
         if code >= INSIDE:
             here = _ONE if code == EMPTY else -_ONE
-            found = here * sign < _ZERO
-            sign = here
-        elif end > s:
-            tape = layout.FIRST_TAPE - code
-            sign, found, place = first_crossing(
-                fields,
-                data,
-                tape_at(fields, root_tape, tape),
-                w.line,
-                s,
-                end,
-                sign,
-                leaves,
-                any_hit,
-                slots,
-                places,
-                choices,
-            )
-        if found:
-            return np.float32(w.enter + np.float64(place) * w.scale), tape
-        if not leave < w.end:
-            return t_max, _NONE
-        leaves, s = False, end
+            if here * sign < _ZERO:
+                return np.float32(w.enter + np.float64(s) * w.scale), root_tape
+            sign, leaves = here, False
+        elif waiting < 0 and end > s:
+            waiting, since = tape, s
+        s = end
+        px, py, pz = cx, cy, cz
         if sx == leave:
             cx = _past(x0, width, w.dx)
             cy, cz = _cell(w.y + s * w.dy, y0, width), _cell(w.z + s * w.dz, z0, width)
@@ -192,8 +198,27 @@ def _through_field(fields, k, origin, direction, t_max, any_hit, slots, places, 
         else:
             cz = _past(z0, width, w.dz)
             cx, cy = _cell(w.x + s * w.dx, x0, width), _cell(w.y + s * w.dy, y0, width)
-        if min(cx, min(cy, cz)) < 0 or max(cx, max(cy, cz)) >= size:
-            return t_max, _NONE
+        inside = leave < w.end and min(cx, min(cy, cz)) >= 0 and max(cx, max(cy, cz)) < size
+        if not inside:
+            # Somewhere within, so that what waits is looked at.
+            cx, cy, cz = px, py, pz
+        elif ((cx ^ px) | (cy ^ py) | (cz ^ pz)) >> (shift + 2) != 0:
+            # Out of the node: from the root again.
+            node, shift = root, top
+
+
+@device
+def _passes_by(fields, k, origin, direction):
+    """Whether a ray certainly misses the ball around field `k`: found sooner than that it misses its box."""
+    cubes, at = fields.cubes, layout.BALL
+    to_ball = vec3(cubes[k, at] - origin.x, cubes[k, at + 1] - origin.y, cubes[k, at + 2] - origin.z)
+    radius, distance2 = cubes[k, at + 3], dot(to_ball, to_ball)
+    # More than the rounding of what is compared.
+    outside = distance2 * _BALL_SLACK - radius * radius
+    if outside <= _ZERO:
+        return False
+    along = dot(to_ball, direction)
+    return along <= _ZERO or along * along < outside * dot(direction, direction)
 
 
 @device
@@ -212,6 +237,8 @@ def _first_field(fields, origin, direction, t_max, any_hit, stack, slots, places
             first = code >> 3
             for at in range(first, first + (code & 7)):
                 k = np.int64(fields.top_items[at]) if many else np.int64(0)
+                if _passes_by(fields, k, origin, direction):
+                    continue
                 t, met = _through_field(fields, k, origin, direction, t_max, any_hit, slots, places, choices)
                 if met >= 0:
                     t_max, field, tape = t, k, met

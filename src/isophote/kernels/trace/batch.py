@@ -137,7 +137,10 @@ def _closest_fields(fields, wave, count):
 @device
 def trace_rays(scene, wave, count, coherent):
     """First hit of every path's ray, fields and lamps included."""
-    if in_packets(scene.geometry, coherent):
+    if scene.geometry.blocks.rows == 0:
+        for i in range(count):
+            wave.longs[rows.HIT_SLOT, i] = -1
+    elif in_packets(scene.geometry, coherent):
         closest_in_packets(scene.geometry, wave, count)
     else:
         _closest_one_by_one(scene.geometry, wave, count)
@@ -188,6 +191,10 @@ def blocked_in_packets(geometry, wave, count):
 def trace_shadow_rays(scene, wave, count, coherent):
     """Add the light of every shadow ray that nothing blocks."""
     geometry, floats = scene.geometry, wave.floats
+    if geometry.blocks.rows == 0:
+        for i in range(count):
+            _light_arrives(scene, wave, i)
+        return
     if in_packets(geometry, coherent):
         blocked_in_packets(geometry, wave, count)
         for i in range(count):

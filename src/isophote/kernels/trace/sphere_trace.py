@@ -43,7 +43,7 @@ from isophote.kernels.trace.sphere_march import (
 )
 from isophote.kernels.trace.sphere_packet import LANES
 from isophote.kernels.trace.sphere_pixels import lane_vec3, set_lane_vec3
-from isophote.kernels.trace.sphere_shadow import LIGHT, load_shadow_ray, occlude_packet, shade_packet
+from isophote.kernels.trace.sphere_shadow import LIGHT, load_shadow_ray, may_dim, occlude_packet, shade_packet
 from isophote.kernels.trace.tables import SCENE
 
 __all__ = ["HARD", "MARCH", "NO_SHADOWS", "SOFT", "SPHERE_PICTURE", "sphere_trace_tile"]
@@ -272,7 +272,7 @@ def _start(pixels, lane, direction):
 @device
 def _light(scene, march, picture, number, lit, slots):
     """Add the light of one light to each pixel."""
-    pixels, lanes, fields = picture.pixels, picture.lanes, scene.fields
+    pixels, fields = picture.pixels, scene.fields
     open_lanes = _NONE
     for lane in range(LANES):
         store_float(pixels, pixel.OPEN + lane, _ONE)
@@ -289,18 +289,7 @@ def _light(scene, march, picture, number, lit, slots):
         open_lanes |= _BIT << np.int32(lane)
     if march.shadows == SOFT:
         for k in range(fields.numbers.rows):
-            for lane in range(LANES):
-                if (open_lanes >> np.int32(lane)) & _BIT:
-                    place = lane_vec3(pixels, pixel.PLACE, lane)
-                    arriving = light_from(march.lights, number, place, march.light_width)
-                    start = _start(pixels, lane, arriving.direction)
-                    load_shadow_ray(
-                        fields, k, lanes, lane, start, arriving.direction, arriving.distance, arriving.width
-                    )
-            shade_packet(fields, k, lanes, open_lanes, march.max_steps, slots)
-            for lane in range(LANES):
-                left = min(load_float(pixels, pixel.OPEN + lane), load_float(lanes, LIGHT + lane))
-                store_float(pixels, pixel.OPEN + lane, left)
+            _soften(scene, march, picture, number, k, open_lanes, slots)
     for lane in range(LANES):
         if (open_lanes >> np.int32(lane)) & _BIT:
             arriving = light_from(march.lights, number, lane_vec3(pixels, pixel.PLACE, lane), march.light_width)
@@ -308,6 +297,27 @@ def _light(scene, march, picture, number, lit, slots):
             share = cosine * INV_PI * load_float(pixels, pixel.OPEN + lane)
             light = lane_vec3(pixels, pixel.COLOUR, lane) * arriving.irradiance * share
             set_lane_vec3(pixels, pixel.GATHERED, lane, lane_vec3(pixels, pixel.GATHERED, lane) + light)
+
+
+@device
+def _soften(scene, march, picture, number, k, open_lanes, slots):
+    """Dim the light that the lanes `open_lanes` (bits) get of one light by what is near field `k`."""
+    pixels, lanes, fields = picture.pixels, picture.lanes, scene.fields
+    dimmed = _NONE
+    for lane in range(LANES):
+        if (open_lanes >> np.int32(lane)) & _BIT == 0:
+            continue
+        arriving = light_from(march.lights, number, lane_vec3(pixels, pixel.PLACE, lane), march.light_width)
+        start = _start(pixels, lane, arriving.direction)
+        if may_dim(fields, k, start, arriving.direction, arriving.width):
+            load_shadow_ray(fields, k, lanes, lane, start, arriving.direction, arriving.distance, arriving.width)
+            dimmed |= _BIT << np.int32(lane)
+    shade_packet(fields, k, lanes, dimmed, march.max_steps, slots)
+    while dimmed != _NONE:
+        lane = np.int64(lowest_bit(dimmed))
+        dimmed &= dimmed - _BIT
+        left = min(load_float(pixels, pixel.OPEN + lane), load_float(lanes, LIGHT + lane))
+        store_float(pixels, pixel.OPEN + lane, left)
 
 
 @device
