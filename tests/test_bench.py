@@ -114,6 +114,15 @@ def test_topology() -> None:
     assert float(cells(output, "topology")[1]) > 0
 
 
+@needs_igl
+def test_inside() -> None:
+    output = output_of("inside.py", "--rounds", "1", "--frequency", "12", "--queries", "2000")
+    assert float(cells(output, "winding number, closed, near")[2]) > 0
+    for name in ("winding number, closed, box", "winding number, with holes, near", "exact geodesics, difference"):
+        errors = output.partition("largest error")[2]
+        assert float(cells(errors, name)[0]) < 1e-13
+
+
 def test_fields_have_their_speeds_told_and_no_pixel_wrong() -> None:
     output = output_of("fields.py", "--rounds", "1", "--side", "64")
     assert cells(output, "values")[0] == "44"
