@@ -14,7 +14,7 @@ from isophote.kernels.base.table import DOUBLE_BOXES, Packed, Table
 from isophote.kernels.forms.field_data import DataTable
 from isophote.kernels.forms.table_slots import ANY, LANES, reach_of, store_around, store_gradient
 from isophote.kernels.forms.tape_interval import REGION_MIDDLE
-from isophote.kernels.measure.closest import ROUNDING, closest_slot, nearest_on_slot
+from isophote.kernels.measure.closest import closest_slot, nearest_on_slot
 from isophote.kernels.measure.mesh_distance import MESH_DISTANCE, STACK_WORDS
 from isophote.kernels.measure.winding import winding_of
 
@@ -55,7 +55,7 @@ def _place(signed, x, y, z, stack):
         return Place(np.nan, np.int64(-1))
     mesh = signed.mesh
     scale = mesh.frame[0, 3]
-    square, slot = closest_slot(mesh, x * scale, y * scale, z * scale, np.inf, ROUNDING, stack)
+    square, slot = closest_slot(mesh, x * scale, y * scale, z * scale, np.inf, stack)
     distance = math.sqrt(square) / scale
     if _beyond(signed.box, x, y, z) > 0.0:
         return Place(distance, slot)

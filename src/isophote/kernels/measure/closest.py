@@ -30,7 +30,7 @@ from isophote.kernels.base.simd import (
 )
 from isophote.kernels.measure.mesh_distance import STACK_WORDS, open_mesh, to_single
 
-__all__ = ["ROUNDING", "SINGLE", "Nearest", "closest_points", "closest_slot", "nearest_on_slot"]
+__all__ = ["Nearest", "closest_points", "closest_slot", "nearest_on_slot"]
 
 _ZERO, _ONE = np.float32(0), np.float32(1)
 _FAR = np.float32(np.inf)
@@ -38,9 +38,8 @@ _NONE = np.int64(-1)
 _TOP = np.int64(0)
 _ROW = np.int64(STACK)
 
-# What single precision may be wrong by, in parts of the coordinates and distances that go into a distance. The second
-# takes single precision as it is: the triangle found may then be farther than the closest one by such a part.
-ROUNDING, SINGLE = np.float64(2.0**-19), np.float64(0)
+# What single precision may be wrong by, in parts of the coordinates and distances that go into a distance.
+_ROUNDING = np.float64(2.0**-19)
 
 
 class Nearest(NamedTuple):
@@ -147,9 +146,9 @@ def _triangle_squares(blocks, block, x, y, z):
 
 
 @device
-def _limit(square, slack, part):
+def _limit(square, slack):
     """The square distance up to which single precision may stand for `square` or less."""
-    d = np.sqrt(square) * (1.0 + part) + slack
+    d = np.sqrt(square) * (1.0 + _ROUNDING) + slack
     return np.float32(d * d)
 
 
@@ -181,18 +180,18 @@ def _push_nearest_last(nodes, base, x, y, z, limit, stack, top):
 
 
 @device
-def closest_slot(mesh, x, y, z, reach, rounding, stack):
+def closest_slot(mesh, x, y, z, reach, stack):
     """(square distance, slot) of the triangle closest to (x, y, z) of the mesh's frame, within square distance `reach`.
 
     The slot is -1, and the distance `reach`, where there is none. Of triangles at the same distance the one with the
-    lowest number is taken. `rounding` is ROUNDING or SINGLE; `stack` is float32 of STACK_WORDS.
+    lowest number is taken. `stack` is float32 scratch of STACK_WORDS.
     """
     qx, qy, qz = to_single(x, mesh.frame[0, 0]), to_single(y, mesh.frame[0, 1]), to_single(z, mesh.frame[0, 2])
-    slack = rounding * (1.0 + np.float64(abs(qx)) + np.float64(abs(qy)) + np.float64(abs(qz)))
+    slack = _ROUNDING * (1.0 + np.float64(abs(qx)) + np.float64(abs(qy)) + np.float64(abs(qz)))
     x8, y8, z8 = splat8(qx), splat8(qy), splat8(qz)
     x4, y4, z4 = splat4(qx), splat4(qy), splat4(qz)
     best, found, number = reach, _NONE, np.int32(0)
-    limit = _limit(best, slack, rounding)
+    limit = _limit(best, slack)
     top = _push_nearest_last(mesh.nodes, _TOP, x8, y8, z8, limit, stack, _TOP)
     while top > 0:
         top -= 2
@@ -216,7 +215,7 @@ def closest_slot(mesh, x, y, z, reach, rounding, stack):
                 own = load_int(mesh.blocks, block * BLOCK + NUMBER + k)
                 if square < best or found < 0 or own < number:
                     best, found, number = square, slot, own
-                    limit = _limit(best, slack, rounding)
+                    limit = _limit(best, slack)
     return best, found
 
 
@@ -232,7 +231,7 @@ def closest_points(words, points, begin, end, places, distances, numbers, weight
     scale = mesh.frame[0, 3]
     for i in range(begin, end):
         x, y, z = points[i, 0] * scale, points[i, 1] * scale, points[i, 2] * scale
-        square, slot = closest_slot(mesh, x, y, z, np.inf, ROUNDING, stack)
+        square, slot = closest_slot(mesh, x, y, z, np.inf, stack)
         distances[i] = np.sqrt(square) / scale
         if numbers.size == 0:
             continue

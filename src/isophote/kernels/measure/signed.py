@@ -5,31 +5,25 @@ from __future__ import annotations
 import numpy as np
 
 from isophote.kernels.base.jit import device, kernel
-from isophote.kernels.measure.closest import ROUNDING, closest_slot
+from isophote.kernels.measure.closest import closest_slot
 from isophote.kernels.measure.mesh_distance import STACK_WORDS, open_mesh
 from isophote.kernels.measure.winding import winding_of
 
-__all__ = ["distance_and_winding", "signed_distance_of", "signed_distances"]
+__all__ = ["signed_distance_of", "signed_distances"]
 
 
 @device
-def distance_and_winding(mesh, x, y, z, rounding, stack):
-    """(distance, winding number) of a point in the mesh's own units.
-
-    `rounding` is closest.ROUNDING, or closest.SINGLE for distances in single precision, 5 % sooner; `stack` is
-    float32 of STACK_WORDS.
+def signed_distance_of(mesh, x, y, z, stack):
+    """The distance of a point, in the mesh's own units; negative where the mesh winds round it more than half a time,
+    whichever way. `stack` is float32 scratch of STACK_WORDS.
     """
     scale = mesh.frame[0, 3]
     x, y, z = x * scale, y * scale, z * scale
-    square, _ = closest_slot(mesh, x, y, z, np.inf, rounding, stack)
+    square, _ = closest_slot(mesh, x, y, z, np.inf, stack)
     winding, on = winding_of(mesh, x, y, z, stack)
-    return (0.0 if on != 0 else np.sqrt(square) / scale), winding
-
-
-@device
-def signed_distance_of(mesh, x, y, z, rounding, stack):
-    """The distance of a point, negative where the mesh winds round it more than half a time, whichever way."""
-    distance, winding = distance_and_winding(mesh, x, y, z, rounding, stack)
+    if on != 0:
+        return 0.0
+    distance = np.sqrt(square) / scale
     return -distance if abs(winding) > 0.5 else distance
 
 
@@ -39,4 +33,4 @@ def signed_distances(words, points, begin, end, distances):
     mesh = open_mesh(words)
     stack = np.empty(STACK_WORDS, np.float32)
     for i in range(begin, end):
-        distances[i] = signed_distance_of(mesh, points[i, 0], points[i, 1], points[i, 2], ROUNDING, stack)
+        distances[i] = signed_distance_of(mesh, points[i, 0], points[i, 1], points[i, 2], stack)
