@@ -16,6 +16,9 @@ IntArray: TypeAlias = npt.NDArray[np.int32]
 _Number = TypeVar("_Number", np.int32, np.float64)
 
 _ROOM = 1024
+# Heights over facets err by less than this, in a box of size 1 of up to four dimensions: a few hundred roundings of
+# numbers of at most 50. Not for points so small that they lose places when they are halved.
+_SURE, _SMALLEST = 1e-11, 1e-280
 
 
 class Facets(NamedTuple):
@@ -62,16 +65,19 @@ def _places(points: FloatArray) -> FloatArray:
 def _quickhull(points: FloatArray, places: FloatArray, kind: int, simplex: npt.NDArray[np.int64]) -> Facets:
     dimension = places.shape[1]
     places = np.ascontiguousarray(places)
+    tolerance = _SURE if np.ptp(points * 0.5, axis=0).max() > _SMALLEST else np.inf
     count, capacity, room = len(points), 16 * len(points) + _ROOM, _ROOM
     facets, planes = np.empty((capacity, quickhull.RECORD), np.int32), np.empty((capacity, 4))
     lists, distances, marks = np.empty(capacity, np.int32), np.empty(capacity), np.full(capacity, -1, np.int64)
     following, heads = np.empty(count, np.int32), np.full(count, -1, np.int32)
     state = np.zeros(2, np.int64)
-    quickhull.first_facets(points, places, kind, dimension, simplex, facets, planes, lists, distances, following, state)
+    quickhull.first_facets(
+        points, places, kind, dimension, tolerance, simplex, facets, planes, lists, distances, following, state
+    )
     while True:
         seen, rim, chains = np.empty(room, np.int32), np.empty(4 * room, np.int32), np.empty((12 * room, 4), np.int32)
         tables = (facets, planes, lists, distances, following, marks, heads, seen, rim, chains, state)
-        if quickhull.expand_hull(points, places, kind, dimension, *tables):
+        if quickhull.expand_hull(points, places, kind, dimension, tolerance, *tables):
             break
         if state[quickhull.COUNT] + 4 * room > len(facets):
             facets, lists = _longer(facets), _longer(lists)

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from isophote.analysis.crew import pieces, run
 from isophote.kernels.measure import delaunay2d, spatial_order
-from isophote.kernels.measure.edges import EDGE, FREE, FRESH, FRESH_END, HEAD, TAIL
+from isophote.kernels.measure.edges import EDGE, FREE, FRESH, FRESH_END, HEAD, SUBDIVISION, TAIL
 
 __all__ = ["Triangles", "triangulate_plane"]
 
@@ -88,7 +88,8 @@ def _divide(order: _Order, edges: IntArray, begin: int, end: int) -> _Part:
     for cut in reversed(cuts):
         a, b = parts[cut.begin], parts[cut.at]
         rank = int(order.cuts[cut.at])
-        root = delaunay2d.merge_parts(order.points, edges, a.free, b.free, a.root, b.root, rank)
+        plane = SUBDIVISION.pack(points=order.points, cuts=order.cuts, edges=edges, free=a.free, other_free=b.free)
+        root = int(delaunay2d.merge_parts(plane.words, a.root, b.root, rank))
         parts[cut.begin] = _Part(root, a.free)
     return parts[begin]
 
@@ -118,20 +119,26 @@ def _triangulate(order: _Order, edges: IntArray, begin: int, end: int) -> _Part:
     free = np.empty(FREE, np.int64)
     free[HEAD] = free[TAIL] = -1
     free[FRESH], free[FRESH_END] = _EDGES_A_POINT * begin, _EDGES_A_POINT * end
-    root = delaunay2d.triangulate_part(order.points, order.cuts, edges, free, begin, end)
+    plane = SUBDIVISION.pack(points=order.points, cuts=order.cuts, edges=edges, free=free, other_free=free)
+    root = delaunay2d.triangulate_part(plane.words, begin, end)
     return _Part(int(root), free)
 
 
 def _faces(edges: IntArray, names: IntArray) -> tuple[IntArray, IntArray]:
     """Corners and neighbours of all triangles, in the order of their lowest half-edges."""
     ranges = list(pieces(2 * _EDGES_A_POINT * len(names), 6 * _GRAIN))
-    counts = run(delaunay2d.count_faces, [(edges, *piece) for piece in ranges])
-    starts = np.cumsum([0, *counts]).tolist()
+    lists = run(_listed, [(edges, *piece) for piece in ranges])
+    starts = np.cumsum([0, *map(len, lists)]).tolist()
     corners, neighbours = np.empty((starts[-1], 3), np.int32), np.empty((starts[-1], 3), np.int32)
-    firsts = zip(ranges, starts[:-1], strict=True)
-    run(delaunay2d.number_faces, [(edges, names, corners, *piece, start) for piece, start in firsts])
-    run(delaunay2d.link_faces, [(edges, neighbours, *piece) for piece in ranges])
+    parts = list(zip(lists, starts[:-1], strict=True))
+    run(delaunay2d.number_faces, [(edges, names, firsts, corners, start) for firsts, start in parts])
+    run(delaunay2d.link_faces, [(edges, firsts, neighbours, start) for firsts, start in parts])
     return corners, neighbours
+
+
+def _listed(edges: IntArray, begin: int, end: int) -> IntArray:
+    firsts = np.empty(end - begin, np.int32)
+    return firsts[: delaunay2d.list_faces(edges, begin, end, firsts)]
 
 
 def _chain(around: IntArray) -> IntArray:

@@ -22,7 +22,7 @@ from numba.core.typed_passes import NativeLowering
 
 from isophote.kernels.base import cache
 
-__all__ = ["device", "exact_apart", "exact_device", "exact_kernel", "kernel"]
+__all__ = ["device", "exact_apart", "exact_device", "exact_inline", "exact_kernel", "kernel"]
 
 cache.install()
 
@@ -68,6 +68,19 @@ class _ApartLowering(_DeviceLowering):
         return True
 
 
+@register_pass(mutates_CFG=True, analysis_only=False)
+class _InlineLowering(_DeviceLowering):
+    """As `_DeviceLowering`, and every caller gets a copy."""
+
+    _name = "isophote_inline_lowering"
+
+    def run_pass(self, state):
+        super().run_pass(state)
+        compiled = state.library._final_module.get_function(state["cr"].fndesc.llvm_func_name)
+        compiled.add_function_attribute("alwaysinline")
+        return True
+
+
 class _DeviceCompiler(CompilerBase):
     lowering = _DeviceLowering
 
@@ -82,6 +95,10 @@ class _DeviceCompiler(CompilerBase):
 
 class _ApartCompiler(_DeviceCompiler):
     lowering = _ApartLowering
+
+
+class _InlineCompiler(_DeviceCompiler):
+    lowering = _InlineLowering
 
 
 def kernel(function: Callable[..., Any]) -> Any:
@@ -107,3 +124,8 @@ def exact_device(function: Callable[..., Any]) -> Any:
 def exact_apart(function: Callable[..., Any]) -> Any:
     """Compile a function that is long and seldom called, without contraction; callers compile as if it were short."""
     return njit(function, nogil=True, error_model="numpy", pipeline_class=_ApartCompiler)
+
+
+def exact_inline(function: Callable[..., Any]) -> Any:
+    """Compile a function into each of its callers, without contraction: for the few calls of an innermost loop."""
+    return njit(function, nogil=True, error_model="numpy", pipeline_class=_InlineCompiler)

@@ -61,7 +61,7 @@ def _first_step(points, corners, neighbours, at, a, b):
 
 @exact_device
 def _gather(points, corners, neighbours, fixed, a, b, t, k, crossed, state):
-    """Write the sides that a segment crosses, up to the next point on it: (that point, -1 for a fixed side, and how many)."""
+    """Write the sides that a segment crosses, up to a point on it: (that point, -1 for a fixed side, and how many)."""
     count = np.int64(0)
     p, q = np.int64(corners[t, (k + 1) % 3]), np.int64(corners[t, (k + 2) % 3])
     while True:

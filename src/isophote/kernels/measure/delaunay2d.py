@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from isophote.kernels.base.jit import exact_device, exact_kernel
+from isophote.kernels.base.jit import exact_device, exact_inline, exact_kernel
 from isophote.kernels.base.predicates import incircle, orient2d
 from isophote.kernels.measure.edges import (
     OUTSIDE,
@@ -25,6 +25,7 @@ from isophote.kernels.measure.edges import (
     left_next,
     left_previous,
     make_edge,
+    open_subdivision,
     origin,
     origin_next,
     origin_previous,
@@ -32,9 +33,10 @@ from isophote.kernels.measure.edges import (
     splice,
 )
 
-__all__ = ["count_faces", "link_faces", "mark_outside", "merge_parts", "number_faces", "triangulate_part"]
+__all__ = ["link_faces", "list_faces", "mark_outside", "merge_parts", "number_faces", "triangulate_part"]
 
 _COARSEST = np.int32(-1)
+_orient2d, _incircle = exact_inline(orient2d.py_func), exact_inline(incircle.py_func)
 
 
 @exact_device
@@ -128,45 +130,78 @@ def _tangent(points, edges, free, left, right, turned):
     return base
 
 
-@exact_device
+@exact_inline
 def _left_candidate(points, edges, free, base, lx, ly, rx, ry):
     """The half from the left end of the base to the next vertex above it, after deleting what cannot stay; -1: none."""
     h = origin_next(edges, base ^ 1)
+    if h == base ^ 1:
+        return np.int64(-1)
     v = origin(edges, h ^ 1)
     x, y = _x(points, v), _y(points, v)
-    if orient2d(lx, ly, rx, ry, x, y) <= 0:
+    if _orient2d(lx, ly, rx, ry, x, y) <= 0:
         return np.int64(-1)
     while True:
         following = origin_next(edges, h)
+        if following == base ^ 1:
+            return h
         w = origin(edges, following ^ 1)
         wx, wy = _x(points, w), _y(points, w)
-        if incircle(lx, ly, rx, ry, x, y, wx, wy) <= 0:
+        if _incircle(lx, ly, rx, ry, x, y, wx, wy) <= 0:
+            return h
+        delete_edge(edges, free, h)
+        h, x, y = following, wx, wy
+
+
+@exact_inline
+def _right_candidate(points, edges, free, base, lx, ly, rx, ry):
+    """As `_left_candidate`, from the right end."""
+    h = origin_previous(edges, base)
+    if h == base:
+        return np.int64(-1)
+    v = origin(edges, h ^ 1)
+    x, y = _x(points, v), _y(points, v)
+    if _orient2d(lx, ly, rx, ry, x, y) <= 0:
+        return np.int64(-1)
+    while True:
+        following = origin_previous(edges, h)
+        if following == base:
+            return h
+        w = origin(edges, following ^ 1)
+        wx, wy = _x(points, w), _y(points, w)
+        if _incircle(lx, ly, rx, ry, x, y, wx, wy) <= 0:
             return h
         delete_edge(edges, free, h)
         h, x, y = following, wx, wy
 
 
 @exact_device
-def _right_candidate(points, edges, free, base, lx, ly, rx, ry):
-    """As `_left_candidate`, from the right end."""
-    h = origin_previous(edges, base)
-    v = origin(edges, h ^ 1)
-    x, y = _x(points, v), _y(points, v)
-    if orient2d(lx, ly, rx, ry, x, y) <= 0:
+def _triangle(points, edges, free, h, v):
+    """Join an edge by itself and a point; -1 if they lie on a line."""
+    way = _turn(points, origin(edges, h), origin(edges, h ^ 1), v)
+    if way == 0:
         return np.int64(-1)
-    while True:
-        following = origin_previous(edges, h)
-        w = origin(edges, following ^ 1)
-        wx, wy = _x(points, w), _y(points, w)
-        if incircle(lx, ly, rx, ry, x, y, wx, wy) <= 0:
-            return h
-        delete_edge(edges, free, h)
-        h, x, y = following, wx, wy
+    if way < 0:
+        h ^= 1
+    side = make_edge(edges, free, origin(edges, h ^ 1), v)
+    splice(edges, side, h ^ 1)
+    connect(edges, free, side, h)
+    return h ^ 1
 
 
 @exact_device
 def _merge(points, edges, free, left, right, turned):
     """Merge two parts that a cut separates; returns a half that has the outside to its left."""
+    if left < 0:
+        if right < 0:
+            return make_edge(edges, free, ~right, ~left)
+        if origin_next(edges, right) == right and origin_next(edges, right ^ 1) == right ^ 1:
+            done = _triangle(points, edges, free, right, ~left)
+            if done >= 0:
+                return done
+    elif right < 0 and origin_next(edges, left) == left and origin_next(edges, left ^ 1) == left ^ 1:
+        done = _triangle(points, edges, free, left, ~right)
+        if done >= 0:
+            return done
     base = lowest = _tangent(points, edges, free, left, right, turned)
     while True:
         l, r = origin(edges, base ^ 1), origin(edges, base)
@@ -180,7 +215,7 @@ def _merge(points, edges, free, left, right, turned):
             continue
         if b >= 0:
             v, w = origin(edges, a ^ 1), origin(edges, b ^ 1)
-            if incircle(lx, ly, rx, ry, _x(points, v), _y(points, v), _x(points, w), _y(points, w)) > 0:
+            if _incircle(lx, ly, rx, ry, _x(points, v), _y(points, v), _x(points, w), _y(points, w)) > 0:
                 base = connect(edges, free, b, base ^ 1)
                 continue
         base = connect(edges, free, base ^ 1, a ^ 1)
@@ -196,13 +231,15 @@ def _longer(rows):
 
 
 @exact_kernel
-def triangulate_part(points, cuts, edges, free, begin, end):
+def triangulate_part(words, begin, end):
     """Triangulate points `begin` to `end`; returns the part.
 
     Parts wait, each with the rank of the cut before it, until a coarser cut comes.
 
     `points` is flat float64, `cuts` int32 ranks, `edges` has room for three edges a point, `free` says which of them.
     """
+    plane = open_subdivision(words)
+    points, cuts, edges, free = plane.points, plane.cuts, plane.edges, plane.free
     waiting = np.empty((64, 2), np.int64)
     waiting[0, 0] = ~begin
     count = 1
@@ -223,9 +260,11 @@ def triangulate_part(points, cuts, edges, free, begin, end):
 
 
 @exact_kernel
-def merge_parts(points, edges, free, other_free, left, right, rank):
+def merge_parts(words, left, right, rank):
     """Merge two finished parts along a cut; `free` takes over the unused edges of both."""
-    append_free(edges, free, other_free)
+    plane = open_subdivision(words)
+    points, edges, free = plane.points, plane.edges, plane.free
+    append_free(edges, free, plane.other_free)
     return _merge(points, edges, free, left, right, rank % 2 == 1)
 
 
@@ -243,49 +282,43 @@ def mark_outside(edges, part, hull):
             return count
 
 
-@exact_device
-def _is_first_of_face(edges, h):
-    """Whether a half is the lowest of those around its triangle."""
-    if origin(edges, h) < 0 or face(edges, h) == OUTSIDE:
-        return False
-    following = left_next(edges, h)
-    return h < following and h < left_next(edges, following)
-
-
 @exact_kernel
-def count_faces(edges, begin, end):
-    """How many triangles have their lowest half between `begin` and `end`."""
-    count = 0
+def list_faces(edges, begin, end, firsts):
+    """Write the lowest halves of the triangles that have it between `begin` and `end`; how many."""
+    count = np.int64(0)
     for h in range(begin, end):
-        count += _is_first_of_face(edges, h)
+        following = left_next(edges, h)
+        last = left_next(edges, following)
+        # Without a branch, which would be guessed wrong every other time; what is not counted is written over.
+        firsts[np.uint64(count)] = h
+        is_used = (origin(edges, h) >= 0) & (face(edges, h) != OUTSIDE)
+        count += (h < following) & (h < last) & is_used
     return count
 
 
 @exact_kernel
-def number_faces(edges, names, triangles, begin, end, first):
-    """Number the triangles that have their lowest half between `begin` and `end` from `first` on, and write them."""
-    at = first
-    for h in range(begin, end):
-        if _is_first_of_face(edges, h):
-            g = left_next(edges, h)
-            f = left_next(edges, g)
-            triangles[at, 0] = names[origin(edges, h)]
-            triangles[at, 1] = names[origin(edges, g)]
-            triangles[at, 2] = names[origin(edges, f)]
-            set_face(edges, h, at)
-            set_face(edges, g, at)
-            set_face(edges, f, at)
-            at += 1
+def number_faces(edges, names, firsts, triangles, first):
+    """Number triangles, given by their lowest halves, from `first` on, and write them."""
+    for i in range(len(firsts)):
+        h = np.int64(firsts[i])
+        g = left_next(edges, h)
+        f = left_next(edges, g)
+        at = first + i
+        triangles[at, 0] = names[np.uint64(origin(edges, h))]
+        triangles[at, 1] = names[np.uint64(origin(edges, g))]
+        triangles[at, 2] = names[np.uint64(origin(edges, f))]
+        set_face(edges, h, at)
+        set_face(edges, g, at)
+        set_face(edges, f, at)
 
 
 @exact_kernel
-def link_faces(edges, neighbours, begin, end):
-    """Write the neighbours, each opposite its corner, of the triangles counted in the same range."""
-    for h in range(begin, end):
-        if _is_first_of_face(edges, h):
-            g = left_next(edges, h)
-            f = left_next(edges, g)
-            at = face(edges, h)
-            neighbours[at, 0] = face(edges, g ^ 1)
-            neighbours[at, 1] = face(edges, f ^ 1)
-            neighbours[at, 2] = face(edges, h ^ 1)
+def link_faces(edges, firsts, neighbours, first):
+    """Write the neighbours, each opposite its corner, of the triangles numbered from `first` on."""
+    for i in range(len(firsts)):
+        h = np.int64(firsts[i])
+        g = left_next(edges, h)
+        at = first + i
+        neighbours[at, 0] = face(edges, g ^ 1)
+        neighbours[at, 1] = face(edges, left_next(edges, g) ^ 1)
+        neighbours[at, 2] = face(edges, h ^ 1)

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from isophote.kernels.base.jit import exact_device, exact_kernel
+from isophote.kernels.base.jit import exact_device, exact_inline, exact_kernel
 from isophote.kernels.base.predicates import INSPHERE_BOUND, insphere, orient3d
 
 __all__ = ["FIRST", "FREE", "FRESH", "RECORD", "STAMP", "WHERE", "insert_points", "start"]
@@ -68,7 +68,7 @@ def _side(points, a, b, c, d):
     return orient3d(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz)
 
 
-@exact_device
+@exact_inline
 def _is_in_sphere(points, tets, t, ex, ey, ez):
     """Whether a point lies strictly inside the sphere of a finite tetrahedron."""
     ax, ay, az = _place(points, _vertex(tets, t, 0))
@@ -101,7 +101,7 @@ def _is_in_sphere(points, tets, t, ex, ey, ez):
     return insphere(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, ex, ey, ez) > 0
 
 
-@exact_device
+@exact_inline
 def _conflicts(points, tets, t, p):
     x, y, z = _place(points, p)
     if _vertex(tets, t, 3) == INFINITE:
@@ -112,7 +112,7 @@ def _conflicts(points, tets, t, p):
     return _is_in_sphere(points, tets, t, x, y, z)
 
 
-@exact_device
+@exact_inline
 def _locate(points, tets, t, p):
     """A tetrahedron that holds a point; one at infinity if the point is strictly beyond its face."""
     if _vertex(tets, t, 3) == INFINITE:
@@ -156,7 +156,7 @@ def _same_vertex(points, tets, t, p):
     return INFINITE
 
 
-@exact_device
+@exact_inline
 def _find_hole(points, tets, marks, hole, rim, first, p, stamp):
     """Gather the tetrahedra that conflict with a point, and the faces around them; (-1, -1) if there is no room.
 
@@ -195,7 +195,7 @@ def _point_back(tets, s, old, new):
             _set_link(tets, s, k, new)
 
 
-@exact_device
+@exact_inline
 def _join(tets, heads, chains, t, k, u, v, entry):
     """Link a new tetrahedron across its face `k`, at the new point and the edge u v, to the one met before there.
 
@@ -217,7 +217,7 @@ def _join(tets, heads, chains, t, k, u, v, entry):
     return entry + 1
 
 
-@exact_device
+@exact_inline
 def _fill_hole(tets, free, state, heads, chains, rim, faces, p):
     """Connect all faces around the hole to the new point; returns one of the new tetrahedra."""
     entry = np.int64(0)

@@ -11,8 +11,10 @@ Unused edges are a list: its first and last half, then a range of edges never us
 from __future__ import annotations
 
 import numpy as np
+from numba import types
 
 from isophote.kernels.base.jit import exact_device
+from isophote.kernels.base.table import INTS, LONGS, Table, ViewType
 
 __all__ = [
     "EDGE",
@@ -20,6 +22,7 @@ __all__ = [
     "FREE",
     "HALF",
     "OUTSIDE",
+    "SUBDIVISION",
     "append_free",
     "connect",
     "delete_edge",
@@ -28,6 +31,7 @@ __all__ = [
     "left_next",
     "left_previous",
     "make_edge",
+    "open_subdivision",
     "origin",
     "origin_next",
     "origin_previous",
@@ -38,6 +42,10 @@ __all__ = [
 
 HALF = 4
 EDGE = 2 * HALF
+DOUBLES = ViewType(types.float64, 1)
+# Arrays as views, which are passed on without counting references.
+SUBDIVISION = Table("Subdivision", points=DOUBLES, cuts=INTS, edges=INTS, free=LONGS, other_free=LONGS)
+open_subdivision = SUBDIVISION.open
 ORIGIN, NEXT, PREVIOUS, FACE = 0, 1, 2, 3
 FREE = 4
 HEAD, TAIL, FRESH, FRESH_END = 0, 1, 2, 3
@@ -133,6 +141,9 @@ def release(edges, free, h):
     h &= ~1
     edges[np.uint64(HALF * h + ORIGIN)] = _UNUSED
     edges[np.uint64(HALF * h + HALF + ORIGIN)] = _UNUSED
+    # So that a walk from an unused half leads nowhere else.
+    edges[np.uint64(HALF * h + PREVIOUS)] = h
+    edges[np.uint64(HALF * h + HALF + PREVIOUS)] = h
     edges[np.uint64(HALF * h + NEXT)] = free[HEAD]
     if free[HEAD] < 0:
         free[TAIL] = h

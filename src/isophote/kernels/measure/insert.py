@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from isophote.kernels.base.jit import exact_device, exact_kernel
+from isophote.kernels.base.jit import exact_device, exact_inline, exact_kernel
 from isophote.kernels.measure.plane_mesh import find_side, fix_side, is_in_circle, turn
 
 __all__ = [
@@ -94,7 +94,7 @@ def find_hole(points, corners, neighbours, fixed, marks, hole, rim, state, t, sp
     return count, _find_rim(points, corners, neighbours, fixed, marks, hole, rim, count, t, split, v)
 
 
-@exact_device
+@exact_inline
 def _find_rim(points, corners, neighbours, fixed, marks, hole, rim, count, t, split, v):
     """How many sides there are around a hole; 0 if one of them cannot be seen from v."""
     mark = marks[t]

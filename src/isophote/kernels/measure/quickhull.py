@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from isophote.kernels.base.jit import exact_apart, exact_device, exact_kernel
+from isophote.kernels.base.jit import exact_apart, exact_device, exact_inline, exact_kernel
 from isophote.kernels.base.orient4d import orient4d
 from isophote.kernels.base.predicates import incircle, insphere, orient3d
 
@@ -72,13 +72,6 @@ def side_of(points, kind, a, b, c, d, e):
 
 
 @exact_device
-def _beyond(points, kind, facets, f, p):
-    a, b = np.int64(facets[f, 0]), np.int64(facets[f, 1])
-    c, d = np.int64(facets[f, 2]), np.int64(facets[f, 3])
-    return side_of(points, kind, a, b, c, d, p) > 0
-
-
-@exact_device
 def _minor(places, facets, f, i, j, k):
     """The determinant of columns i, j, k of the differences of a facet's vertices."""
     o, a, b, c = facets[f, 0], facets[f, 1], facets[f, 2], facets[f, 3]
@@ -103,19 +96,33 @@ def _set_plane(places, facets, planes, f, dimension):
     planes[f, 3] = -_minor(places, facets, f, 0, 1, 2)
 
 
-@exact_device
-def _distance(places, facets, planes, f, p, dimension):
+@exact_inline
+def _height(places, facets, planes, f, p, dimension):
+    """How far a point is from a facet, positive inside, in units of the normal's length."""
     value = 0.0
     o = facets[f, 0]
     for k in range(dimension):
         value += planes[f, k] * (places[p, k] - places[o, k])
-    return abs(value)
+    return value
 
 
-@exact_device
+@exact_inline
+def _beyond(points, places, kind, dimension, tolerance, facets, planes, f, p):
+    """Whether a point lies strictly beyond a facet; by the rounded plane if that is sure."""
+    height = _height(places, facets, planes, f, p, dimension)
+    if height < -tolerance:
+        return True
+    if height > tolerance:
+        return False
+    a, b = np.int64(facets[f, 0]), np.int64(facets[f, 1])
+    c, d = np.int64(facets[f, 2]), np.int64(facets[f, 3])
+    return side_of(points, kind, a, b, c, d, p) > 0
+
+
+@exact_inline
 def _give(places, facets, planes, lists, distances, following, f, p, dimension):
     """Put a point on the list of a facet that it is beyond, the furthest one first."""
-    distance = _distance(places, facets, planes, f, p, dimension)
+    distance = -_height(places, facets, planes, f, p, dimension)
     head = lists[f]
     if head < 0 or distance > distances[f]:
         following[p] = head
@@ -136,7 +143,9 @@ def _add_facet(places, facets, planes, lists, state, dimension):
 
 
 @exact_kernel
-def first_facets(points, places, kind, dimension, simplex, facets, planes, lists, distances, following, state):
+def first_facets(
+    points, places, kind, dimension, tolerance, simplex, facets, planes, lists, distances, following, state
+):
     """Write the facets of a simplex of `dimension` + 1 points, and give all points to facets that they are beyond."""
     for k in range(dimension + 1):
         for j in range(dimension):
@@ -153,13 +162,13 @@ def first_facets(points, places, kind, dimension, simplex, facets, planes, lists
         _add_facet(places, facets, planes, lists, state, dimension)
     for p in range(len(points)):
         for f in range(dimension + 1):
-            if _beyond(points, kind, facets, f, p):
+            if _beyond(points, places, kind, dimension, tolerance, facets, planes, f, p):
                 _give(places, facets, planes, lists, distances, following, f, p, dimension)
                 break
 
 
-@exact_device
-def _find_seen(points, kind, dimension, facets, marks, seen, rim, first, p):
+@exact_inline
+def _find_seen(points, places, kind, dimension, tolerance, facets, planes, marks, seen, rim, first, p):
     """Gather the facets that a point is beyond, and the ridges around them; (-1, -1) if there is no room."""
     seen[0] = first
     marks[first] = p
@@ -173,7 +182,7 @@ def _find_seen(points, kind, dimension, facets, marks, seen, rim, first, p):
             g = np.int64(facets[f, _LINK + k])
             if marks[g] == p:
                 continue
-            if _beyond(points, kind, facets, g, p):
+            if _beyond(points, places, kind, dimension, tolerance, facets, planes, g, p):
                 marks[g] = p
                 seen[count] = g
                 count += 1
@@ -183,7 +192,7 @@ def _find_seen(points, kind, dimension, facets, marks, seen, rim, first, p):
     return np.int64(count), np.int64(ridges)
 
 
-@exact_device
+@exact_inline
 def _join(facets, heads, chains, f, k, u, v, entry):
     """Link a new facet across its ridge `k` to the one met there before; the ridge is named by vertices u > v."""
     e = np.int64(heads[u])
@@ -199,7 +208,7 @@ def _join(facets, heads, chains, f, k, u, v, entry):
     return entry + 1
 
 
-@exact_device
+@exact_inline
 def _build(places, dimension, facets, planes, lists, marks, state, heads, chains, rim, ridges, p):
     """New facets from the ridges to a point."""
     entry = np.int64(0)
@@ -232,9 +241,23 @@ def _build(places, dimension, facets, planes, lists, marks, state, heads, chains
             heads[facets[old, j]] = _NONE
 
 
-@exact_device
+@exact_inline
 def _hand_on(
-    points, places, kind, dimension, facets, planes, lists, distances, following, marks, seen, count, first, last
+    points,
+    places,
+    kind,
+    dimension,
+    tolerance,
+    facets,
+    planes,
+    lists,
+    distances,
+    following,
+    marks,
+    seen,
+    count,
+    first,
+    last,
 ):
     """Give the points of facets that are gone to new ones; those beyond none are inside."""
     for i in range(count):
@@ -243,7 +266,7 @@ def _hand_on(
         while q >= 0:
             after = np.int64(following[q])
             for g in range(first, last):
-                if _beyond(points, kind, facets, g, q):
+                if _beyond(points, places, kind, dimension, tolerance, facets, planes, g, q):
                     _give(places, facets, planes, lists, distances, following, g, q, dimension)
                     break
             q = after
@@ -253,11 +276,27 @@ def _hand_on(
 
 @exact_kernel
 def expand_hull(
-    points, places, kind, dimension, facets, planes, lists, distances, following, marks, heads, seen, rim, chains, state
+    points,
+    places,
+    kind,
+    dimension,
+    tolerance,
+    facets,
+    planes,
+    lists,
+    distances,
+    following,
+    marks,
+    heads,
+    seen,
+    rim,
+    chains,
+    state,
 ):
     """Go on until no facet has a point beyond it; returns whether that is so, or else room is short.
 
-    points     (n, d) float64 for the determinants; places (n, dimension), rounded, for distances
+    points     (n, d) float64 for the determinants; places (n, dimension), in a box of size 1, rounded, for distances
+    tolerance  the least height that is sure to have the right sign; infinity: none
     facets     (capacity, RECORD) int32; planes (capacity, 4) float64; lists (capacity,) int32, first point beyond;
                distances (capacity,) float64 of that; marks (capacity,) int64: -2 for facets that are gone
     following  (n,) int32: next on the list; heads (n,) int32: -1
@@ -270,7 +309,7 @@ def expand_hull(
             state[PENDING] += 1
             continue
         p = np.int64(lists[f])
-        count, ridges = _find_seen(points, kind, dimension, facets, marks, seen, rim, f, p)
+        count, ridges = _find_seen(points, places, kind, dimension, tolerance, facets, planes, marks, seen, rim, f, p)
         if count < 0 or state[COUNT] + ridges > len(facets) or 3 * ridges > len(chains):
             for i in range(len(marks)):
                 if marks[i] == p:
@@ -285,6 +324,7 @@ def expand_hull(
             places,
             kind,
             dimension,
+            tolerance,
             facets,
             planes,
             lists,

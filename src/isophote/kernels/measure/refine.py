@@ -3,8 +3,8 @@
 Ruppert, "A Delaunay Refinement Algorithm for Quality 2-Dimensional Mesh Generation", 1995: fixed sides that have a
 point in their diametral circle are split, and triangles that are not as wanted get a point at the centre of their
 circle, unless it is in the diametral circle of a side, which is split instead. Sides at acute corners are split on
-circles about the corner, and a triangle between two such sides is left as it is (Shewchuk, "Delaunay refinement algorithms for
-triangular mesh generation", 2002, section 5), since no refinement can mend an angle that was given.
+circles about the corner, and a triangle between two such sides is left as it is (Shewchuk, "Delaunay refinement
+algorithms for triangular mesh generation", 2002, section 5), since no refinement can mend an angle that was given.
 
 Only triangles whose `region` is positive are refined.
 """
@@ -15,7 +15,7 @@ import math
 
 import numpy as np
 
-from isophote.kernels.base.jit import exact_device, exact_kernel
+from isophote.kernels.base.jit import exact_device, exact_inline, exact_kernel
 from isophote.kernels.measure.insert import (
     BLOCKED,
     INSIDE,
@@ -42,26 +42,26 @@ _SAME_CIRCLE = 1e-3
 _SHORTEST = 1e-13
 
 
-@exact_device
+@exact_inline
 def _square(points, a, b):
     x, y = points[b, 0] - points[a, 0], points[b, 1] - points[a, 1]
     return x * x + y * y
 
 
-@exact_device
+@exact_inline
 def _sees_blunt(points, a, b, x, y):
     """Whether a place lies strictly inside the diametral circle of a and b."""
     return (points[a, 0] - x) * (points[b, 0] - x) + (points[a, 1] - y) * (points[b, 1] - y) < 0
 
 
-@exact_device
+@exact_inline
 def _put(queue, state, last, a, b, c, t, tries):
     at = state[last] % len(queue)
     queue[at, 0], queue[at, 1], queue[at, 2], queue[at, 3], queue[at, 4] = a, b, c, t, tries
     state[last] += 1
 
 
-@exact_device
+@exact_inline
 def _common_corner(segments, lines, u, v):
     """The corner where the lines meet that two points were put on, or -1."""
     m, n = np.int64(lines[u]), np.int64(lines[v])
@@ -74,7 +74,7 @@ def _common_corner(segments, lines, u, v):
     return _NONE
 
 
-@exact_device
+@exact_inline
 def _is_given(points, fixed, segments, lines, t, k, a, b, c):
     """Whether the angle at a, which is corner k, is as it was given: b and c are on two lines that meet."""
     if fixed[t, (k + 1) % 3] != 0 and fixed[t, (k + 2) % 3] != 0:
@@ -86,13 +86,10 @@ def _is_given(points, fixed, segments, lines, t, k, a, b, c):
     return abs(first - second) <= _SAME_CIRCLE * first
 
 
-@exact_device
+@exact_inline
 def _is_wanting(points, corners, fixed, segments, lines, t, least_sine, most_area):
     """Whether a triangle is too large, or has an angle that is too small and was not given."""
-    k = 0
-    for j in range(1, 3):
-        if _opposite(points, corners, t, j) < _opposite(points, corners, t, k):
-            k = j
+    k = _shortest(points, corners, t)
     a, b, c = np.int64(corners[t, k]), np.int64(corners[t, (k + 1) % 3]), np.int64(corners[t, (k + 2) % 3])
     ux, uy = points[b, 0] - points[a, 0], points[b, 1] - points[a, 1]
     vx, vy = points[c, 0] - points[a, 0], points[c, 1] - points[a, 1]
@@ -107,7 +104,17 @@ def _is_wanting(points, corners, fixed, segments, lines, t, least_sine, most_are
     return 2 * area < least_sine * length and not _is_given(points, fixed, segments, lines, t, k, a, b, c)
 
 
-@exact_device
+@exact_inline
+def _shortest(points, corners, t):
+    """The corner opposite the shortest side."""
+    k = 0
+    for j in range(1, 3):
+        if _opposite(points, corners, t, j) < _opposite(points, corners, t, k):
+            k = j
+    return k
+
+
+@exact_inline
 def _opposite(points, corners, t, k):
     return _square(points, corners[t, (k + 1) % 3], corners[t, (k + 2) % 3])
 
@@ -290,13 +297,13 @@ def refine_queued(
     return True
 
 
-@exact_device
+@exact_inline
 def _is_short(queue, state, first):
     """Whether what one step adds may not fit on a queue."""
     return state[first + 1] - state[first] + _ROWS_A_STEP > len(queue)
 
 
-@exact_device
+@exact_inline
 def _try_again(wanting, state, a, b, c, t, tries):
     """Put a triangle back on the queue, behind what is in its way; not for ever, for that may be too short to split."""
     if tries < _TRIES:
