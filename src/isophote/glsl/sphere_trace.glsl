@@ -47,7 +47,7 @@ vec3 normalAt(vec3 p) {
 
 // What is left of a light at a distance, seen under an angle of half width atan(width).
 float lit(vec3 p, vec3 d, float far, float width) {
-    float light = 1.0, t = DETAIL / 1024.0, before = FAR, last = 0.0;
+    float light = 1.0, t = DETAIL / 256.0, before = FAR, last = 0.0;
     float end = min(far, 4.0 * (SIDE + distanceToBox(p)));
     for (int i = 0; i < MAX_STEPS && t < end; ++i) {
         vec3 q = p + d * t;
@@ -65,10 +65,10 @@ float lit(vec3 p, vec3 d, float far, float width) {
         float y = h < before && before < FAR ? clamp((last * last + (h * h - before * before)) / (2.0 * last), 0.0, min(h, last)) : 0.0;
         light = min(light, sqrt(max(h * h - y * y, 0.0)) / (width * (t - y)));
         if (light <= 1e-3) return 0.0;
-        before = h;
-        // Where the light may be dimmed, rays go slower, or shadows show their steps as bands.
+        // Where the light may be dimmed more, rays go slower, or shadows show their steps as bands.
         float step = h / max(LIPSCHITZ, 1.0);
-        last = max(h > 2.0 * width * t ? step : 0.5 * step, 0.01 * t);
+        last = max(h > min(before, 2.0 * width * t) ? step : 0.5 * step, 0.01 * t);
+        before = h;
         t += last;
     }
     return light;
