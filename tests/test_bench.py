@@ -132,6 +132,13 @@ def test_fields_have_their_speeds_told_and_no_pixel_wrong() -> None:
 
 
 @needs_triangle
+def test_delaunay() -> None:
+    output = output_of("delaunay.py", "--rounds", "1", "--points", "2000", "--space", "500")
+    assert float(cells(output, "uniform, against Triangle")[0]) > 0
+    assert float(cells(output, "lifted hull")[0]) > 0
+
+
+@needs_triangle
 def test_voronoi() -> None:
     output = output_of("voronoi.py", "--rounds", "1", "--points", "2000", "--edges", "100")
     assert float(cells(output, "sweep against triangle")[0]) > 0
