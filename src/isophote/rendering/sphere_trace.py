@@ -66,10 +66,10 @@ class SphereTrace:
 
     A ray goes on by the field's value over its Lipschitz constant, times `relaxation` (1 to 2; where two spheres do not
     overlap it goes back), until the surface is nearer than `epsilon` times the pixel's width there, `max_steps` are
-    taken or `max_distance` is reached. `marcher="fixed"` goes on by `step` metres instead, and steps over what is
-    thinner. Shadows are "soft", "hard" or "none"; a soft one is told by how near the ray to the light's middle passes
-    (area lights have their size; points and suns are seen under the half angle atan `softness`). `occlusion` is how far
-    above the surface, in metres, the field is asked what dims the sky; 0 for no occlusion.
+    taken through a field or `max_distance` is reached. `marcher="fixed"` goes on by `step` metres instead, and steps
+    over what is thinner. Shadows are "soft", "hard" or "none"; a soft one is told by how near the ray to the light's
+    middle passes (area lights have their size; points and suns are seen under the half angle atan `softness`).
+    `occlusion` is how far above the surface, in metres, the field is asked what dims the sky; 0 for no occlusion.
 
     All surfaces reflect like matte ones of their base colour. Meshes are drawn, and shadow hard. The channel "steps"
     counts the evaluations of the field along each pixel's ray.

@@ -39,11 +39,12 @@ __all__ = [
 
 # Rows behind those of the evaluator. Of a ray: origin where it enters, unit direction, place and end along it, where
 # the region ends and its Lipschitz constant; of the last step: radius, and its length where it has yet to be judged;
-# the ray's t where it enters, lengths per t, the pixel's footprint where it enters and how that grows; steps so far.
-(OX, OY, OZ, DX, DY, DZ, T, END, EXIT, SLOPE, RADIUS, STEP, START, SCALE, NEAR, GROWTH, STEPS) = (
-    np.int64(16 * (ROWS + row)) for row in range(17)
+# the ray's t where it enters, lengths per t, the pixel's footprint where it enters and how that grows; steps through
+# all fields, and through this one.
+(OX, OY, OZ, DX, DY, DZ, T, END, EXIT, SLOPE, RADIUS, STEP, START, SCALE, NEAR, GROWTH, STEPS, COUNT) = (
+    np.int64(16 * (ROWS + row)) for row in range(18)
 )
-MARCH_ROWS = ROWS + 17
+MARCH_ROWS = ROWS + 18
 
 _ZERO, _HALF, _ONE = np.float32(0), np.float32(0.5), np.float32(1)
 _FAR = np.float32(np.inf)
@@ -88,6 +89,7 @@ def enter_field(fields, k, lanes, lane, origin, direction, near, far):
     store_float(lanes, END + lane, np.float32((last - first) * speed))
     store_float(lanes, EXIT + lane, _ZERO)
     store_float(lanes, STEP + lane, _ZERO)
+    store_float(lanes, COUNT + lane, _ZERO)
     return True
 
 
@@ -197,7 +199,7 @@ def march_packet(fields, k, lanes, active, march, slots):
             todo &= todo - _BIT
             step = march.step * load_float(lanes, SCALE + lane)
             left = load_float(lanes, T + lane) >= load_float(lanes, EXIT + lane)
-            tired = load_float(lanes, STEPS + lane) >= march.max_steps
+            tired = load_float(lanes, COUNT + lane) >= march.max_steps
             if tired or (left and not _next_region(fields, k, lanes, lane, step)):
                 active &= ~bit
                 continue
@@ -211,6 +213,7 @@ def march_packet(fields, k, lanes, active, march, slots):
             lane = np.int64(lowest_bit(ready))
             ready &= ready - _BIT
             store_float(lanes, STEPS + lane, load_float(lanes, STEPS + lane) + _ONE)
+            store_float(lanes, COUNT + lane, load_float(lanes, COUNT + lane) + _ONE)
             if march.step > _ZERO:
                 here = _fixed_step(lanes, lane, march.step * load_float(lanes, SCALE + lane))
             else:
