@@ -27,6 +27,7 @@ __all__ = [
     "LAMP",
     "blocked_in_packets",
     "closest_in_packets",
+    "find_blocked",
     "in_packets",
     "trace_rays",
     "trace_shadow_rays",
@@ -158,19 +159,6 @@ def trace_rays(scene, wave, count, coherent):
 
 
 @device
-def _light_arrives(scene, wave, i):
-    """Add the light of shadow ray `i`, which no triangle blocks, unless a field or a lamp does."""
-    floats = wave.floats
-    if scene.fields.numbers.rows + scene.lights.lamps.rows > 0:
-        origin, direction = row_vec3(floats, rows.SHADOW_ORIGIN, i), row_vec3(floats, rows.SHADOW_DIRECTION, i)
-        if field_occludes(scene.fields, origin, direction, floats[rows.SHADOW_END, i], wave.scratch):
-            return
-        if lamp_blocks(scene.lights, origin, direction, floats[rows.SHADOW_END, i]):
-            return
-    add_radiance(wave, np.int64(wave.ints[rows.SHADOW_OWNER, i]), row_vec3(floats, rows.SHADOW_LIGHT, i))
-
-
-@device
 def blocked_in_packets(geometry, wave, count):
     """Whether each shadow ray of the wave meets a triangle before its end, 0 or 1 in its row BLOCKED."""
     count0, count1 = _sort_by_axis(wave, rows.SHADOW_DIRECTION, count)
@@ -188,20 +176,44 @@ def blocked_in_packets(geometry, wave, count):
 
 
 @device
-def trace_shadow_rays(scene, wave, count, coherent):
-    """Add the light of every shadow ray that nothing blocks."""
-    geometry, floats = scene.geometry, wave.floats
+def _blocked_by_triangles(geometry, wave, count, coherent):
+    floats, ints = wave.floats, wave.ints
     if geometry.blocks.rows == 0:
         for i in range(count):
-            _light_arrives(scene, wave, i)
-        return
-    if in_packets(geometry, coherent):
+            ints[rows.BLOCKED, i] = 0
+    elif in_packets(geometry, coherent):
         blocked_in_packets(geometry, wave, count)
+    else:
+        for i in range(count):
+            origin, direction = row_vec3(floats, rows.SHADOW_ORIGIN, i), row_vec3(floats, rows.SHADOW_DIRECTION, i)
+            ints[rows.BLOCKED, i] = occluded(geometry, origin, direction, floats[rows.SHADOW_END, i], wave.scratch)
+
+
+@device
+def _blocked_otherwise(scene, wave, i):
+    """Whether a field or a lamp is in the way of shadow ray `i`."""
+    origin, direction = row_vec3(wave.floats, rows.SHADOW_ORIGIN, i), row_vec3(wave.floats, rows.SHADOW_DIRECTION, i)
+    end = wave.floats[rows.SHADOW_END, i]
+    if field_occludes(scene.fields, origin, direction, end, wave.scratch):
+        return True
+    return lamp_blocks(scene.lights, origin, direction, end)
+
+
+@device
+def find_blocked(scene, wave, count, coherent):
+    """Whether each shadow ray of the wave meets anything before its end, 0 or 1 in its row BLOCKED."""
+    _blocked_by_triangles(scene.geometry, wave, count, coherent)
+    if scene.fields.numbers.rows + scene.lights.lamps.rows > 0:
         for i in range(count):
             if wave.ints[rows.BLOCKED, i] == 0:
-                _light_arrives(scene, wave, i)
-        return
+                wave.ints[rows.BLOCKED, i] = _blocked_otherwise(scene, wave, i)
+
+
+@device
+def trace_shadow_rays(scene, wave, count, coherent):
+    """Add the light of every shadow ray that nothing blocks."""
+    find_blocked(scene, wave, count, coherent)
     for i in range(count):
-        origin, direction = row_vec3(floats, rows.SHADOW_ORIGIN, i), row_vec3(floats, rows.SHADOW_DIRECTION, i)
-        if not occluded(geometry, origin, direction, floats[rows.SHADOW_END, i], wave.scratch):
-            _light_arrives(scene, wave, i)
+        if wave.ints[rows.BLOCKED, i] == 0:
+            light = row_vec3(wave.floats, rows.SHADOW_LIGHT, i)
+            add_radiance(wave, np.int64(wave.ints[rows.SHADOW_OWNER, i]), light)
