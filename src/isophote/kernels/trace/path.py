@@ -11,8 +11,6 @@ A constant sky is found by scattered rays alone: for them it has no variance but
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from isophote.kernels.accel.field_chain import surface_of
@@ -20,8 +18,7 @@ from isophote.kernels.accel.field_layout import FIELD
 from isophote.kernels.accel.geometry import Hit
 from isophote.kernels.accel.surface import MATERIAL, offset_point, triangle_light
 from isophote.kernels.base.jit import device, kernel
-from isophote.kernels.base.sampler import draw_pairs
-from isophote.kernels.base.vec import dot, length, maximum_component, vec3
+from isophote.kernels.base.vec import dot, maximum_component, vec3
 from isophote.kernels.base.warp import INV_PI, to_disk
 from isophote.kernels.light.bsdf import BLACK, MATTE, MIRROR, scatter_matte
 from isophote.kernels.light.emitter import (
@@ -31,10 +28,9 @@ from isophote.kernels.light.emitter import (
     sample_light,
 )
 from isophote.kernels.light.environment import environment_density, environment_radiance
-from isophote.kernels.light.film import add_sample, filter_offset
 from isophote.kernels.trace import wave as rows
 from isophote.kernels.trace.batch import LAMP, trace_rays, trace_shadow_rays
-from isophote.kernels.trace.camera import camera_ray
+from isophote.kernels.trace.samples import FIRST, Tile, develop, draw, start_paths
 from isophote.kernels.trace.shading import mirror_ray, scatter_glass_ray, seen_normal, surface_colour, surface_emission
 from isophote.kernels.trace.tables import FILM, PLAN, SCENE
 from isophote.kernels.trace.wave import add_radiance, row_vec3, set_row_vec3
@@ -52,82 +48,18 @@ _WORTH_AIMED, _WORTH_MET = np.float32(0.5), np.float32(0.25)
 
 open_scene, open_plan, open_film, open_wave = SCENE.open, PLAN.open, FILM.open, rows.WAVE.open
 
-# Sampling dimensions (pairs of numbers): film, lens, then three for each ray of the path.
-# NumPy integers: Numba would compile what takes a plain constant anew for each of its values.
-_FILM, _LENS, _FIRST = np.int64(0), np.int64(1), np.int64(2)
+# Sampling dimensions (pairs of numbers): three for each ray of the path.
 _PICK, _LIGHT, _SCATTER, _PER_RAY = np.int64(0), np.int64(1), np.int64(2), np.int64(3)
-
-
-class Tile(NamedTuple):
-    """Pixels x0 ≤ x < x1, y0 ≤ y < y1 and samples first ≤ s < last of each."""
-
-    x0: int
-    x1: int
-    y0: int
-    y1: int
-    first: int
-    last: int
-
-
-@device
-def _start(tables, plan, tile, first, count, wave):
-    """Camera rays of wave columns 0 … count − 1, the paths numbered `first` on within the tile."""
-    floats, ints = wave.floats, wave.ints
-    samples = tile.last - tile.first
-    across = tile.x1 - tile.x0
-    place, sample = first // samples, first % samples
-    x, y = place % across, place // across
-    for i in range(count):
-        px, py = tile.x0 + x, tile.y0 + y
-        ints[rows.PIXEL, i] = py * plan.width + px
-        ints[rows.SAMPLE, i] = tile.first + sample
-        ints[rows.OWNER, i] = i
-        floats[rows.HIT_W1, i], floats[rows.HIT_W2, i] = px, py
-        # Counting on: divisions would take longer than all else here.
-        sample += 1
-        if sample == samples:
-            sample, x = 0, x + 1
-            if x == across:
-                x, y = 0, y + 1
-    _draw(plan, wave, count, _FILM, rows.PICK_U)
-    _draw(plan, wave, count, _LENS, rows.LIGHT_U)
-    for i in range(count):
-        dx, dy = filter_offset(plan.filter, floats[rows.PICK_U, i], floats[rows.PICK_V, i])
-        a, b = to_disk(floats[rows.LIGHT_U, i], floats[rows.LIGHT_V, i])
-        px, py = floats[rows.HIT_W1, i] + dx, floats[rows.HIT_W2, i] + dy
-        origin, direction = camera_ray(tables.camera, px, py, a, b)
-        set_row_vec3(floats, rows.ORIGIN, i, origin)
-        set_row_vec3(floats, rows.DIRECTION, i, direction / length(direction))
-        set_row_vec3(floats, rows.CARRIED, i, vec3(_ONE, _ONE, _ONE))
-        set_row_vec3(floats, rows.RADIANCE, i, vec3(_ZERO, _ZERO, _ZERO))
-        floats[rows.DENSITY, i] = _ZERO
-        floats[rows.HIT_T, i] = _FAR
-
-
-@device
-def _draw(plan, wave, count, dimension, row):
-    floats, ints = wave.floats, wave.ints
-    draw_pairs(
-        plan.pattern,
-        plan.seed,
-        ints[rows.PIXEL],
-        ints[rows.SAMPLE],
-        plan.samples,
-        dimension,
-        count,
-        floats[row],
-        floats[row + 1],
-    )
 
 
 @device
 def _draw_step(plan, wave, count, depth):
     """Sample numbers of one step for every path: PICK_U picks a light or one of glass's two rays, PICK_V ends paths,
     LIGHT is a place on the light, SCATTER a point of the unit disk."""
-    first = _FIRST + _PER_RAY * (depth - 1)
-    _draw(plan, wave, count, first + _PICK, rows.PICK_U)
-    _draw(plan, wave, count, first + _LIGHT, rows.LIGHT_U)
-    _draw(plan, wave, count, first + _SCATTER, rows.SCATTER_U)
+    first = FIRST + _PER_RAY * (depth - 1)
+    draw(plan, wave, count, first + _PICK, rows.PICK_U)
+    draw(plan, wave, count, first + _LIGHT, rows.LIGHT_U)
+    draw(plan, wave, count, first + _SCATTER, rows.SCATTER_U)
     # Scattering starts from a point of the unit disk; here it is made for eight paths at a time.
     u, v = wave.floats[rows.SCATTER_U], wave.floats[rows.SCATTER_V]
     for i in range(count):
@@ -291,18 +223,6 @@ def _shade(tables, plan, wave, count, depth):
     return alive, shadows
 
 
-@device
-def _develop(plan, tile, first, count, wave, film):
-    """Add the wave's paths to the film, in their order."""
-    floats = wave.floats
-    samples = tile.last - tile.first
-    across = tile.x1 - tile.x0
-    for i in range(count):
-        place = (first + i) // samples
-        x, y = tile.x0 + place % across, tile.y0 + place // across
-        add_sample(film, x, y, floats[rows.RADIANCE, i], floats[rows.RADIANCE + 1, i], floats[rows.RADIANCE + 2, i])
-
-
 @kernel
 def path_trace_tile(scene_words, plan_words, film_words, wave_words, x0, x1, y0, y1, first_sample, last_sample):
     """Path-trace samples `first_sample` ≤ s < `last_sample` of the pixels x0 ≤ x < x1, y0 ≤ y < y1 onto the film."""
@@ -313,7 +233,7 @@ def path_trace_tile(scene_words, plan_words, film_words, wave_words, x0, x1, y0,
     size = wave.floats.columns
     for first in range(0, paths, size):
         count = min(size, paths - first)
-        _start(tables, plan, tile, first, count, wave)
+        start_paths(tables, plan, tile, first, count, wave)
         alive = count
         for depth in range(1, plan.max_depth + 1):
             # Rays of one pixel leave the camera together; later ones go every way.
@@ -323,4 +243,4 @@ def path_trace_tile(scene_words, plan_words, film_words, wave_words, x0, x1, y0,
             trace_shadow_rays(tables, wave, shadows, depth == 1)
             if alive == 0:
                 break
-        _develop(plan, tile, first, count, wave, film)
+        develop(plan, tile, first, count, wave, film)
