@@ -36,11 +36,21 @@ _OTHERS = (
     (contour_faults, "find_faults", f"({_WORDS}, int64[::1], int64[::1], int32[::1], int64[:, ::1])"),
 )
 
+# Stages that are done in this process.
+_ready: set[str] = set()
+
 
 def warm_up(report: Reporter) -> None:
     """Compile what is not in the cache yet, half of it in a second process; both write to the same cache."""
-    if all(is_compiled(Path(module.__file__ or ""), name) for module, name, _ in (_BRICK_KERNEL, *_OTHERS)):
-        return
+    # Looked at once: the cache's folder may hold thousands of files.
+    if not _ready:
+        kernels = (_BRICK_KERNEL, *_OTHERS)
+        if not all(is_compiled(Path(module.__file__ or ""), name) for module, name, _ in kernels):
+            _compile_all(report)
+        _ready.add(_STAGE)
+
+
+def _compile_all(report: Reporter) -> None:
     report(_STAGE, 0.0)
     other = None
     if sys.executable:
