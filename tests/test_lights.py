@@ -253,9 +253,9 @@ def test_sun():
     assert (samples.density == 0).all()
 
 
-def test_every_kind_of_light_is_tested_here():
+def test_every_kind_of_light_is_tested_here_or_as_spots():
     kinds = {name for name in emitter.__all__ if name.isupper() and name != "LIGHTS"}
-    assert kinds == {"TRIANGLE", "PARALLELOGRAM", "DISK", "SPHERE", "POINT", "SUN", "ENVIRONMENT"}
+    assert kinds == {"TRIANGLE", "PARALLELOGRAM", "DISK", "SPHERE", "POINT", "SPOT", "SUN", "ENVIRONMENT"}
 
 
 # --- picking --------------------------------------------------------------------------------------

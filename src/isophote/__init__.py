@@ -45,6 +45,7 @@ _HOME = {
     "Sky": "scene.light",
     "SphereLight": "scene.light",
     "SphereTrace": "rendering.sphere_trace",
+    "SpotLight": "scene.light",
     "Sun": "scene.light",
     "Texture": "scene.texture",
     "Tracer": "rendering.tracer",

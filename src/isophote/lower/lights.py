@@ -15,7 +15,17 @@ from isophote.kernels.light import emitter
 from isophote.kernels.light.emitter import LIGHTS
 from isophote.kernels.light.environment import ENVIRONMENT
 from isophote.scene.colour import srgb_to_linear
-from isophote.scene.light import DiskLight, Environment, Light, PointLight, RectLight, Sky, SphereLight, Sun
+from isophote.scene.light import (
+    DiskLight,
+    Environment,
+    Light,
+    PointLight,
+    RectLight,
+    Sky,
+    SphereLight,
+    SpotLight,
+    Sun,
+)
 from isophote.shapes.mesh import Mesh
 
 __all__ = ["LightTable", "rectangle_mesh"]
@@ -48,6 +58,7 @@ class LightTable:
         self._count = 0
         self._constant = np.zeros(3)
         self._picture: Environment | None = None
+        self._picture_number = -1
 
     def _add(self, kind: int, power: npt.ArrayLike, number: int = -1, **fields: Any) -> int:
         """Lights of one kind, as many as there are powers; fields are one row for each or one for all.
@@ -69,8 +80,11 @@ class LightTable:
         self._count += count
         return first
 
-    def add_mesh(self, mesh: Mesh, matrix: Points, radiance: Colour, two_sided: bool) -> npt.NDArray[np.int32]:
-        """The lights that a shining mesh is made of; for each of its triangles, the number of its light.
+    def add_mesh(
+        self, mesh: Mesh, matrix: Points, radiance: Colour, two_sided: bool, number: int = -1
+    ) -> npt.NDArray[np.int32]:
+        """The lights that a shining mesh is made of, `number` being that of the mesh for the user; for each of its
+        triangles, the number of its light.
 
         A face that is a parallelogram is one light, any other one light a triangle; -1 where there is no area.
         """
@@ -79,16 +93,16 @@ class LightTable:
         sign = -1.0 if np.linalg.det(matrix[:3, :3]) < 0 else 1.0
         faces, corners = _parallelograms(mesh, points)
         of_face = np.full(mesh.face_count, -1, np.int64)
-        of_face[faces] = self._flat(corners, 1.0, sign, radiance, two_sided)
+        of_face[faces] = self._flat(corners, 1.0, sign, radiance, two_sided, number)
         whole = np.zeros(mesh.face_count, bool)
         whole[faces] = True
         alone = ~whole[cut.face]
         numbers = of_face[cut.face]
-        numbers[alone] = self._flat(points[cut.triangles[alone]], 0.5, sign, radiance, two_sided)
+        numbers[alone] = self._flat(points[cut.triangles[alone]], 0.5, sign, radiance, two_sided, number)
         return numbers.astype(np.int32)
 
     def _flat(
-        self, corners: Points, part: float, sign: float, radiance: Colour, two_sided: bool
+        self, corners: Points, part: float, sign: float, radiance: Colour, two_sided: bool, number: int
     ) -> npt.NDArray[np.int64]:
         """Triangles (`part` ½) or parallelograms (1) over two edges from the first of `corners` (n, 3, 3).
 
@@ -102,6 +116,7 @@ class LightTable:
         first = self._add(
             emitter.PARALLELOGRAM if part == 1.0 else emitter.TRIANGLE,
             math.pi * area * float(_LUMINANCE @ radiance) * (2 if two_sided else 1),
+            number,
             place=corners[real, 0],
             edge1=edge1[real],
             edge2=edge2[real],
@@ -117,11 +132,13 @@ class LightTable:
         those far away have their power."""
         if isinstance(light, PointLight):
             power = light.power * float(_LUMINANCE @ light.colour)
-            self._add(emitter.POINT, power, place=light.position, radiance=light.intensity_rgb)
+            self._add(emitter.POINT, power, number, place=light.position, radiance=light.intensity_rgb)
+        elif isinstance(light, SpotLight):
+            self._add_spot(light, number)
         elif isinstance(light, Sun):
             irradiance = light.irradiance_rgb
             power = math.pi * reach**2 * float(_LUMINANCE @ irradiance)
-            self._add(emitter.SUN, power, normal=light.unit_direction, radiance=irradiance)
+            self._add(emitter.SUN, power, number, normal=light.unit_direction, radiance=irradiance)
         elif isinstance(light, DiskLight | SphereLight):
             self._add_lamp(light, number)
         elif isinstance(light, Sky):
@@ -129,9 +146,21 @@ class LightTable:
         elif isinstance(light, Environment):
             if self._picture is not None:
                 raise SceneError("lights: a scene can have one Environment; add the pictures up before")
-            self._picture = light
+            self._picture, self._picture_number = light, number
         else:
             raise SceneError(f"lights: a {type(light).__name__} cannot be rendered")
+
+    def _add_spot(self, light: SpotLight, number: int) -> None:
+        inner, outer = light.cosines
+        self._add(
+            emitter.SPOT,
+            light.power * float(_LUMINANCE @ light.colour),
+            number,
+            place=light.position,
+            edge1=(inner, outer, light.exponent),
+            normal=light.unit_axis,
+            radiance=light.intensity_rgb,
+        )
 
     def _add_lamp(self, light: DiskLight | SphereLight, number: int) -> None:
         radiance = light.radiance_rgb
@@ -157,17 +186,37 @@ class LightTable:
         """The table; a picture of the sky, if there is one, is its last row."""
         environment, power = _lower_environment(self._constant, self._picture)
         if self._picture is not None:
-            self._add(emitter.ENVIRONMENT, math.pi * reach**2 * power)
+            self._add(emitter.ENVIRONMENT, math.pi * reach**2 * power, self._picture_number)
         kinds = np.concatenate([np.zeros(0, np.int32), *self._kinds])
+        numbers = np.concatenate([np.zeros(0, np.int32), *self._numbers])
+        powers = np.concatenate([np.zeros(0), *self._power])
+        groups, shares = _groups(kinds, numbers, powers)
         lamps = np.flatnonzero((kinds == emitter.DISK) | (kinds == emitter.SPHERE))
         return LIGHTS.pack(
             kinds=kinds,
             values=np.concatenate([np.zeros((0, _COLUMNS)), *self._rows]).astype(np.float32),
-            cdf=_cumulative(np.concatenate([np.zeros(0), *self._power])),
+            cdf=_cumulative(powers),
             lamps=lamps.astype(np.int32),
-            numbers=np.concatenate([np.zeros(0, np.int32), *self._numbers]),
+            numbers=numbers,
+            groups=groups,
+            shares=shares,
             environment=environment,
         )
+
+
+def _groups(
+    kinds: npt.NDArray[np.int32], numbers: npt.NDArray[np.int32], power: npt.NDArray[np.float64]
+) -> tuple[npt.NDArray[np.int32], npt.NDArray[np.float32]]:
+    """Rows that follow each other with the same number, as `Lights.groups`, and each row's start within its group."""
+    starts = np.flatnonzero(np.diff(numbers, prepend=-2)) if len(numbers) else np.zeros(0, np.int64)
+    counts = np.diff(starts, append=len(numbers))
+    weights = np.maximum(power, 1e-12 * power.max(initial=0.0)) + np.finfo(float).tiny
+    before = np.concatenate([np.zeros(1), np.cumsum(weights)])
+    first = np.repeat(before[starts], counts)
+    total = np.repeat(before[starts + counts] - before[starts], counts)
+    sized = ~np.isin(kinds[starts], (emitter.POINT, emitter.SUN, emitter.SPOT))
+    groups = np.stack([starts, counts, sized, numbers[starts]], axis=1).astype(np.int32)
+    return groups, ((before[:-1] - first) / total).astype(np.float32)
 
 
 def _parallelograms(mesh: Mesh, points: Points) -> tuple[npt.NDArray[np.int64], Points]:

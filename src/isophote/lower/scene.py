@@ -109,14 +109,14 @@ def _parts_of(scene: Scene) -> _Parts:
         matrix, material = item.transform.matrix, parts.materials.number(item.material)
         if isinstance(item.shape, Mesh):
             radiance, two_sided = emission_of(item.material)
-            own = parts.lights.add_mesh(item.shape, matrix, radiance, two_sided) if max(radiance) > 0 else None
+            own = parts.lights.add_mesh(item.shape, matrix, radiance, two_sided, number) if max(radiance) > 0 else None
             parts.meshes.append(Part(item.shape, matrix, material, number, own))
         else:
             parts.fields.append(FieldPart(_field(item.shape, number), matrix, material, number))
     for number, light in enumerate(scene.lights, start=len(scene.items)):
         if isinstance(light, RectLight):
             mesh, matrix, radiance = rectangle_mesh(light), light.transform.matrix, light.radiance_rgb
-            own = parts.lights.add_mesh(mesh, matrix, radiance, light.two_sided)
+            own = parts.lights.add_mesh(mesh, matrix, radiance, light.two_sided, number)
             material = parts.materials.number(Emitter(radiance, two_sided=light.two_sided))
             parts.meshes.append(Part(mesh, matrix, material, number, own))
     return parts

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from isophote.errors import SceneError
 from isophote.scene.camera import AnyCamera, Camera, OrthographicCamera
 from isophote.scene.fields import VectorLike, instance_of, optional
-from isophote.scene.light import AreaLight, Environment, Light, PointLight, Sky, Sun
+from isophote.scene.light import AreaLight, Environment, Light, PointLight, Sky, SpotLight, Sun
 from isophote.scene.material import Emitter, Glass, Material, Matte, Mirror, Principled
 from isophote.scene.transform import Axis, Transform
 
@@ -25,7 +25,7 @@ _camera = optional(instance_of("a Camera, an OrthographicCamera or None", Camera
 _material = instance_of(
     "a material (Matte, Mirror, Glass, Emitter or Principled)", Matte, Mirror, Glass, Emitter, Principled
 )
-_LIGHTS = (PointLight, Sun, AreaLight, Sky, Environment)
+_LIGHTS = (PointLight, SpotLight, Sun, AreaLight, Sky, Environment)
 
 
 class Shape(Protocol):

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from isophote.kernels.base.jit import device
-from isophote.kernels.base.table import FLOAT_ROWS, FLOATS, INTS, Table
+from isophote.kernels.base.table import FLOAT_ROWS, FLOATS, INT_ROWS, INTS, Table
 from isophote.kernels.base.vec import dot, length, normalise, orthonormal, vec3
 from isophote.kernels.base.warp import PI, to_cone, to_disk, to_triangle
 from isophote.kernels.light import environment as sky
@@ -28,6 +28,7 @@ __all__ = [
     "PARALLELOGRAM",
     "POINT",
     "SPHERE",
+    "SPOT",
     "SUN",
     "TRIANGLE",
     "LightSample",
@@ -37,25 +38,37 @@ __all__ = [
     "lamp_radiance",
     "light_density",
     "pick_light",
+    "sample_group",
     "sample_light",
 ]
 
-TRIANGLE, PARALLELOGRAM, DISK, SPHERE, POINT, SUN, ENVIRONMENT = 0, 1, 2, 3, 4, 5, 6
+TRIANGLE, PARALLELOGRAM, DISK, SPHERE, POINT, SUN, ENVIRONMENT, SPOT = 0, 1, 2, 3, 4, 5, 6, 7
 
-# Columns of `Lights.values`: a place, two edges, the unit normal, radiance (point: intensity, sun: irradiance), the
-# area, 1 for two sides, the radius of a sphere.
+# Columns of `Lights.values`: a place, two edges, the unit normal (spot: its axis), radiance (point: intensity, spot:
+# intensity on the axis, sun: irradiance), the area, 1 for two sides, the radius of a sphere. A spot has the cosines of
+# its inner and outer cone and its exponent in place of the first edge.
 _PLACE, _EDGE1, _EDGE2, _NORMAL, _RADIANCE, _AREA, _TWO_SIDED, _RADIUS = (
     np.int64(column) for column in (0, 3, 6, 9, 12, 15, 16, 17)
 )
 
-_ZERO, _ONE, _TWO = np.float32(0), np.float32(1), np.float32(2)
-_FAR = np.float32(np.inf)
+_ZERO, _ONE, _TWO, _THREE = np.float32(0), np.float32(1), np.float32(2), np.float32(3)
+_FAR, _ONE_BELOW = np.float32(np.inf), np.float32(1 - 2.0**-24)
 
 
 # `kinds` (n,); `values` (n, 18), columns above; `cdf` (n + 1,): cumulative chances of being picked; `lamps`: the disks
 # and spheres, which rays meet without a tree; `numbers` (n,): the user's number of each light.
+# `groups` (m, 4): the rows that are one light to the user, as first and count, 1 where that has a size, and its number;
+# `shares` (n,): where a row's part begins within its group, in proportion to power, from 0 to 1.
 LIGHTS = Table(
-    "Lights", kinds=INTS, values=FLOAT_ROWS, cdf=FLOATS, lamps=INTS, numbers=INTS, environment=sky.ENVIRONMENT
+    "Lights",
+    kinds=INTS,
+    values=FLOAT_ROWS,
+    cdf=FLOATS,
+    lamps=INTS,
+    numbers=INTS,
+    groups=INT_ROWS,
+    shares=FLOATS,
+    environment=sky.ENVIRONMENT,
 )
 
 
@@ -150,6 +163,35 @@ def _sample_sphere(values, k, point, u, v):
 
 
 @device
+def _sample_point(values, k, point):
+    to_light = _triple(values, k, _PLACE) - point
+    distance = length(to_light)
+    return _arrives(to_light / distance, distance, _triple(values, k, _RADIANCE) / (distance * distance), _ZERO)
+
+
+@device
+def _spot_share(values, k, cosine):
+    """Intensity at an angle of this cosine from the axis, in parts of that on the axis: cosᵐ within the inner cone,
+    smoothly to nothing at the outer one."""
+    inner, outer, exponent = values[k, _EDGE1], values[k, _EDGE1 + 1], values[k, _EDGE1 + 2]
+    if cosine < outer or cosine <= _ZERO:
+        return _ZERO
+    u = (cosine - outer) / (inner - outer) if cosine < inner else _ONE
+    return u * u * (_THREE - _TWO * u) * math.pow(cosine, exponent)
+
+
+@device
+def _sample_spot(values, k, point):
+    to_light = _triple(values, k, _PLACE) - point
+    distance = length(to_light)
+    direction = to_light / distance
+    share = _spot_share(values, k, -dot(direction, _triple(values, k, _NORMAL)))
+    if share <= _ZERO:
+        return _nothing()
+    return _arrives(direction, distance, _triple(values, k, _RADIANCE) * (share / (distance * distance)), _ZERO)
+
+
+@device
 def sample_light(lights, k, point, u, v):
     """Light `k` as it is sampled from `point`."""
     kind, values = lights.kinds[k], lights.values
@@ -167,9 +209,9 @@ def sample_light(lights, k, point, u, v):
     if kind == SPHERE:
         return _sample_sphere(values, k, point, u, v)
     if kind == POINT:
-        to_light = _triple(values, k, _PLACE) - point
-        distance = length(to_light)
-        return _arrives(to_light / distance, distance, _triple(values, k, _RADIANCE) / (distance * distance), _ZERO)
+        return _sample_point(values, k, point)
+    if kind == SPOT:
+        return _sample_spot(values, k, point)
     if kind == SUN:
         return _arrives(_triple(values, k, _NORMAL), _FAR, _triple(values, k, _RADIANCE), _ZERO)
     direction = sample_environment(lights.environment, u, v)
@@ -177,6 +219,25 @@ def sample_light(lights, k, point, u, v):
     if density <= _ZERO:
         return _nothing()
     return _arrives(direction, _FAR, environment_radiance(lights.environment, direction), density)
+
+
+@device
+def sample_group(lights, group, point, u, v):
+    """(row, sample) of the light that a group of rows is, as seen from `point`: `u` picks one of them in proportion to
+    its power, and the density is that of the whole."""
+    low, count = np.int64(lights.groups[group, 0]), np.int64(lights.groups[group, 1])
+    end = low + count
+    shares = lights.shares
+    # As in pick_light.
+    while count > 1:
+        half = count >> 1
+        low += half if shares[low + half] <= u else 0
+        count -= half
+    chance = (shares[low + 1] if low + 1 < end else _ONE) - shares[low]
+    sample = sample_light(lights, low, point, min((u - shares[low]) / chance, _ONE_BELOW), v)
+    if sample.density <= _ZERO:
+        return low, sample
+    return low, sample._replace(density=sample.density * chance)
 
 
 @device
