@@ -35,10 +35,10 @@ def test_other_items_or_lights_are_lowered_anew() -> None:
 def test_tables_are_let_go_with_their_items() -> None:
     latest = Latest()
     scene = iso.Scene([iso.Item(TRIANGLE)])
-    latest.keep(scene, {})
-    assert latest.find(scene) == {}
+    latest.keep(scene, "bvh", {})
+    assert latest.find(scene, "bvh") == {}
     same_looking = iso.Scene([iso.Item(TRIANGLE)])
-    assert latest.find(same_looking) is None
+    assert latest.find(same_looking, "bvh") is None
     del scene
     gc.collect()
     assert latest._kept is None

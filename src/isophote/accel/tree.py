@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
-from typing import Any, NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
+from isophote.accel.checks import MOST_ITEMS, checked_points, checked_triangles
+from isophote.accel.crew import GRAIN, Run, crew, ranges
 from isophote.errors import GeometryError
 from isophote.kernels.accel import build, build_wide
 from isophote.kernels.accel.layout import (
@@ -65,12 +63,6 @@ class Kind(NamedTuple):
 TRIANGLES = Kind(LANES, LANES, 16, np.float32(0.6), np.float32(0.2))
 BOXES = Kind(1, 1, MAX_BLOCKS, np.float32(0), np.float32(8))
 
-# Nodes with more items are split by all threads together; those with fewer are one thread's work. Longer runs of
-# anything else are cut into pieces of this length. Fixed: it must not depend on the number of threads.
-_GRAIN = 1 << 16
-# A leaf's code has 28 bits for its first block.
-_MOST_ITEMS = 1 << 28
-
 
 def build_triangles(positions: npt.ArrayLike, triangles: npt.ArrayLike, threads: int | None = None) -> Tree:
     """The tree of `triangles`, (m, 3) int32 rows of `positions`, (n, 3) float32.
@@ -79,14 +71,14 @@ def build_triangles(positions: npt.ArrayLike, triangles: npt.ArrayLike, threads:
     a triangle. Raises `GeometryError` where a position is not finite, a triangle names a position that is not there,
     or there are more than 2^28 triangles.
     """
-    points = _points(positions, "positions").reshape(-1)
-    corners = _corners(triangles, len(points) // 3).reshape(-1)
+    points = checked_points(positions, "positions").reshape(-1)
+    corners = checked_triangles(triangles, len(points) // 3).reshape(-1)
     count = len(corners) // 3
     if count == 0:
         return _nothing(np.empty(0, np.float32))
-    with _crew(threads, count) as run:
+    with crew(threads, count) as run:
         records = np.empty(2 * count * build.RECORD, np.float32)
-        pieces = list(_pieces(0, count))
+        pieces = list(ranges(0, count))
         found = np.empty((len(pieces), 16), np.float32)
         run(build.triangle_records, [(points, corners, records, *p, found[i]) for i, p in enumerate(pieces)])
         whole = found.min(axis=0)
@@ -95,7 +87,7 @@ def build_triangles(positions: npt.ArrayLike, triangles: npt.ArrayLike, threads:
         nodes, slots = _lay_out(run, skeleton, TRIANGLES)
         del skeleton
         blocks = np.empty(len(slots) // LANES * BLOCK, np.float32)
-        run(build_wide.fill_blocks, [(points, corners, slots, blocks, *p) for p in _pieces(0, len(slots))])
+        run(build_wide.fill_blocks, [(points, corners, slots, blocks, *p) for p in ranges(0, len(slots))])
     return Tree(nodes, blocks, _bounds(whole))
 
 
@@ -105,11 +97,11 @@ def build_boxes(lower: npt.ArrayLike, upper: npt.ArrayLike, threads: int | None 
     Raises `GeometryError` where a box is not finite or its lower corner lies above its upper one, or there are more
     than 2^28.
     """
-    least, greatest = _points(lower, "lower corners"), _points(upper, "upper corners")
+    least, greatest = checked_points(lower, "lower corners"), checked_points(upper, "upper corners")
     count = len(least)
     if len(greatest) != count or (least > greatest).any():
         raise GeometryError("every box must have a lower corner and an upper one, not below it")
-    if count > _MOST_ITEMS:
+    if count > MOST_ITEMS:
         raise GeometryError(f"a tree holds 2^28 boxes at most, not {count:,}")
     if count == 0:
         return _nothing(np.empty(0, np.int32))
@@ -122,31 +114,10 @@ def build_boxes(lower: npt.ArrayLike, upper: npt.ArrayLike, threads: int | None 
     whole = np.zeros(16, np.float32)
     for start, rows in ((0, least), (4, -greatest), (8, doubled), (12, -doubled)):
         whole[start : start + 3] = rows.min(axis=0)
-    with _crew(threads, count) as run:
+    with crew(threads, count) as run:
         skeleton = _grow(run, records.reshape(-1), count, whole, BOXES)
         nodes, items = _lay_out(run, skeleton, BOXES)
     return Tree(nodes, items, _bounds(whole))
-
-
-def _points(values: npt.ArrayLike, what: str) -> FloatArray:
-    with np.errstate(over="ignore"):
-        points = np.require(values, np.float32, ["C", "W"])
-    if points.ndim != 2 or points.shape[1] != 3:
-        raise GeometryError(f"{what} must have shape (n, 3), but have {points.shape}")
-    if not np.isfinite(points).all():
-        raise GeometryError(f"{what} must be finite, and below 3.4e38")
-    return points
-
-
-def _corners(triangles: npt.ArrayLike, position_count: int) -> IntArray:
-    corners = np.asarray(triangles)
-    if corners.ndim != 2 or corners.shape[1] != 3 or not np.issubdtype(corners.dtype, np.integer):
-        raise GeometryError(f"triangles must be (m, 3) whole numbers, but are {corners.shape} of {corners.dtype}")
-    if len(corners) > _MOST_ITEMS:
-        raise GeometryError(f"a tree holds 2^28 triangles at most, not {len(corners):,}")
-    if len(corners) and (corners.min() < 0 or corners.max() >= position_count):
-        raise GeometryError(f"triangles name positions outside 0 to {position_count - 1}")
-    return np.require(corners, np.int32, ["C", "W"])
 
 
 def _nothing(blocks: FloatArray | IntArray) -> Tree:
@@ -158,26 +129,6 @@ def _nothing(blocks: FloatArray | IntArray) -> Tree:
 
 def _bounds(whole: FloatArray) -> FloatArray:
     return np.stack([whole[0:3], -whole[4:7]])
-
-
-_Run: TypeAlias = Callable[[Callable[..., Any], Iterable[tuple[Any, ...]]], list[Any]]
-
-
-@contextmanager
-def _crew(threads: int | None, count: int) -> Iterator[_Run]:
-    """A function that calls another once for each tuple of arguments, on `threads` threads where it is worth it."""
-    if threads is None:
-        threads = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    if threads == 1 or count < _GRAIN // 4:
-        yield lambda function, jobs: [function(*job) for job in jobs]
-        return
-    with ThreadPoolExecutor(threads) as pool:
-        yield lambda function, jobs: list(pool.map(lambda job: function(*job), jobs))
-
-
-def _pieces(begin: int, end: int) -> Iterator[tuple[int, int]]:
-    for at in range(begin, end, _GRAIN):
-        yield at, min(at + _GRAIN, end)
 
 
 class _Branch(NamedTuple):
@@ -200,7 +151,7 @@ class _Skeleton(NamedTuple):
     spans: list[tuple[int, int]]
 
 
-def _grow(run: _Run, records: FloatArray, count: int, whole: FloatArray, kind: Kind) -> _Skeleton:
+def _grow(run: Run, records: FloatArray, count: int, whole: FloatArray, kind: Kind) -> _Skeleton:
     """The binary tree over `count` records: large nodes split by all threads, the rest a subtree a thread."""
     branches, links = _split_large(run, records, count, whole, kind)
     size = len(branches) + 2 * count
@@ -229,19 +180,19 @@ def _grow(run: _Run, records: FloatArray, count: int, whole: FloatArray, kind: K
 
 
 def _split_large(
-    run: _Run, records: FloatArray, count: int, whole: FloatArray, kind: Kind
+    run: Run, records: FloatArray, count: int, whole: FloatArray, kind: Kind
 ) -> tuple[list[_Branch], list[int]]:
     """Split nodes until none is larger than the grain, level by level: (nodes, first child of each or 0)."""
     branches, links = [_Branch(0, count, 0, whole)], [0]
-    level = [0] if count > _GRAIN else []
+    level = [0] if count > GRAIN else []
     while level:
-        pieces = [list(_pieces(*_range(branches[node], count))) for node in level]
+        pieces = [list(ranges(*_range(branches[node], count))) for node in level]
         found = iter(_split_level(run, records, count, [branches[node] for node in level], pieces, kind))
         following = []
         for node in level:
             links[node] = len(branches)
             for branch in next(found):
-                if branch.items > _GRAIN:
+                if branch.items > GRAIN:
                     following.append(len(branches))
                 branches.append(branch)
                 links.append(0)
@@ -256,7 +207,7 @@ def _range(branch: _Branch, count: int) -> tuple[int, int]:
 
 
 def _split_level(
-    run: _Run,
+    run: Run,
     records: FloatArray,
     count: int,
     level: list[_Branch],
@@ -306,18 +257,18 @@ def _split_level(
     return children
 
 
-def _lay_out(run: _Run, skeleton: _Skeleton, kind: Kind) -> tuple[FloatArray, IntArray]:
+def _lay_out(run: Run, skeleton: _Skeleton, kind: Kind) -> tuple[FloatArray, IntArray]:
     """Nodes and slots: the wide nodes near the root, then every subtree below them by itself."""
     tree = skeleton.nodes, skeleton.children, np.empty(len(skeleton.children) * WIDTH, np.float32)
     *subtrees, near_root = [(*tree, *span, *kind.collapse) for span in skeleton.spans]
     run(build_wide.collapse_costs, subtrees)
     build_wide.collapse_costs(*near_root)
     nodes, slots = np.empty(0, np.float32), np.empty(0, np.int32)
-    tasks = np.empty((8 * (MAX_DEPTH + 2) * (1 + len(skeleton.order) // _GRAIN), 2), np.int64)
+    tasks = np.empty((8 * (MAX_DEPTH + 2) * (1 + len(skeleton.order) // GRAIN), 2), np.int64)
 
     def write(root: int, parent: int, number: int, block: int) -> tuple[int, int, int]:
         written: tuple[int, int, int] = build_wide.lay_out(
-            *tree, skeleton.order, nodes, slots, tasks.reshape(-1), root, parent, number, block, _GRAIN, *kind.collapse
+            *tree, skeleton.order, nodes, slots, tasks.reshape(-1), root, parent, number, block, GRAIN, *kind.collapse
         )
         return written
 

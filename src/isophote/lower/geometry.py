@@ -8,13 +8,14 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from isophote.accel.tree import Tree, build_boxes, build_triangles
+from isophote.accel.accelerator import Built, build_accelerator
+from isophote.accel.tree import build_boxes
 from isophote.convert.triangulate import Triangles, triangulate
 from isophote.errors import SceneError
 from isophote.kernels.accel.geometry import GEOMETRY
-from isophote.kernels.accel.layout import BLOCK, CHILD, NODE
 from isophote.kernels.accel.surface import SURFACES
 from isophote.kernels.base.table import Packed
+from isophote.lower.objects import join_objects, keep_alive
 from isophote.shapes.mesh import Attribute, Mesh
 
 __all__ = ["Part", "lower_geometry"]
@@ -167,10 +168,13 @@ def _merge(pieces: Sequence[tuple[FloatArray, IntArray]]) -> _World:
 
 
 def lower_geometry(
-    parts: Sequence[Part], fields: Sequence[tuple[int, int]] = (), threads: int | None = None
+    parts: Sequence[Part],
+    fields: Sequence[tuple[int, int]] = (),
+    threads: int | None = None,
+    accelerator: str = "bvh",
 ) -> tuple[Packed, Packed, FloatArray]:
-    """Trees, instances and surfaces of all parts, and the world's bounds, (2, 3) float32, of which the least is above
-    the greatest where there are none.
+    """Trees (or other accelerators), instances and surfaces of all parts, and the world's bounds, (2, 3) float32, of
+    which the least is above the greatest where there are none.
 
     What is used once, or often but small, becomes one tree in the world; what is left becomes instances of one tree a
     mesh. `fields` are material and number for the user of items that have no triangles; they get the rows of the
@@ -187,7 +191,7 @@ def lower_geometry(
         return count == 1 or count * len(cuts[id(part.mesh)].triangles) <= _BAKED_TRIANGLES
 
     surfaces = _SurfaceBuilder()
-    objects: list[Tree] = []
+    objects: list[Built] = []
     instances: list[tuple[int, Matrix, int, int]] = []  # object, matrix, first item, items
     pieces: list[tuple[FloatArray, IntArray]] = []
     first = 0
@@ -199,34 +203,33 @@ def lower_geometry(
             first += len(cut.triangles)
     if pieces or not parts:
         instances.append((0, _IDENTITY, 0, len(pieces)))
-        objects.append(_tree(*_merge(pieces), threads))
+        objects.append(_build(accelerator, *_merge(pieces), threads))
     shared: dict[int, int] = {}
     for part in parts:
         if not stands_alone(part):
             cut = cuts[id(part.mesh)]
             if id(part.mesh) not in shared:
                 shared[id(part.mesh)] = len(objects)
-                objects.append(_tree(_floats(part.mesh.vertices), cut.triangles, threads))
+                objects.append(_build(accelerator, _floats(part.mesh.vertices), cut.triangles, threads))
             instances.append((shared[id(part.mesh)], part.matrix, len(surfaces.items), 1))
             surfaces.add(part, cut, 0, _IDENTITY)
     for material, public in fields:
         surfaces.add_field(material, public)
-    geometry, slack, bounds = _instances(objects, instances)
+    geometry, slack, bounds = _instances(accelerator, objects, instances)
     spans = np.array([row[2:] for row in instances], np.int32).reshape(-1, 2)
     return geometry, surfaces.build(spans, slack), bounds
 
 
-def _tree(positions: FloatArray, triangles: IntArray, threads: int | None) -> Tree:
+def _build(accelerator: str, positions: FloatArray, triangles: IntArray, threads: int | None) -> Built:
     if not np.isfinite(positions).all():
         raise SceneError("an item's placed vertices leave the range of single precision (3.4e38); scale the scene down")
-    return build_triangles(positions, triangles, threads)
+    return build_accelerator(accelerator, positions, triangles, threads)
 
 
 def _instances(
-    objects: Sequence[Tree], instances: Sequence[tuple[int, Matrix, int, int]]
+    accelerator: str, objects: Sequence[Built], instances: Sequence[tuple[int, Matrix, int, int]]
 ) -> tuple[Packed, FloatArray, FloatArray]:
     """The tables of instances, with the rounding that each one's transform brings, and the world's bounds."""
-    nodes, blocks, roots = _join(objects)
     count = len(instances)
     to_world = np.zeros((count, 12), np.float32)
     to_object = np.zeros((count, 12), np.float32)
@@ -240,15 +243,14 @@ def _instances(
         boxes[k], slack[k] = _placed_box(objects[number].bounds.astype(np.float64), matrix, bool(identity[k]))
     top = build_boxes(boxes[:, 0], boxes[:, 1]) if count > 1 else None
     geometry = GEOMETRY.pack(
-        nodes=nodes,
-        blocks=blocks,
-        roots=np.array([roots[row[0]] for row in instances], np.int32),
+        **join_objects(accelerator, objects, [row[0] for row in instances]),
         to_object=to_object,
         to_world=to_world,
         identity=identity,
         top_nodes=top.nodes if top else np.zeros(0, np.float32),
         top_items=top.blocks.astype(np.int32, copy=False) if top else np.zeros(0, np.int32),
     )
+    geometry = keep_alive(geometry, [built.tables for built in objects])
     return geometry, slack, np.stack([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])
 
 
@@ -266,25 +268,3 @@ def _placed_box(box: Matrix, matrix: Matrix, identity: bool) -> tuple[Matrix, fl
     returned = float((there[:, :3] @ (back[:, :3] @ far + back[:, 3])).max())
     slack = _ROUNDING * (stretch * local + float(there[:, 3].max()) + float(far.max()) + returned)
     return np.stack([placed.min(axis=0) - slack, placed.max(axis=0) + slack]), slack
-
-
-def _join(objects: Sequence[Tree]) -> tuple[FloatArray, FloatArray, list[int]]:
-    """All trees in one array of nodes and one of blocks, their numbers moved on; the roots' numbers."""
-    if len(objects) == 1:
-        return objects[0].nodes, _floats(objects[0].blocks), [0]
-    roots, all_nodes, all_blocks = [], [], []
-    node, block = 0, 0
-    for tree in objects:
-        nodes = tree.nodes.copy().reshape(-1, NODE)
-        children = nodes.view(np.int32)[:, CHILD : CHILD + 8]
-        present = nodes[:, :8] <= nodes[:, 24:32]
-        inner = present & (children >= 0)
-        leaf = present & (children < 0)
-        children[inner] += node
-        children[leaf] -= block * 8
-        roots.append(node)
-        all_nodes.append(nodes.reshape(-1))
-        all_blocks.append(tree.blocks)
-        node += len(nodes)
-        block += len(tree.blocks) // BLOCK
-    return np.concatenate(all_nodes), _floats(np.concatenate(all_blocks)), roots

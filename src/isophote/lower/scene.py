@@ -30,8 +30,10 @@ __all__ = ["lower_scene"]
 _latest = Latest()
 
 
-def lower_scene(scene: Scene, size: tuple[int, int], threads: int | None = None) -> Packed:
-    """The tables of `scene` for a picture of `size` (width, height).
+def lower_scene(
+    scene: Scene, size: tuple[int, int], threads: int | None = None, accelerator: str = "bvh"
+) -> Packed:
+    """The tables of `scene` for a picture of `size` (width, height), with the accelerator of a name.
 
     Items are numbered as they stand in the scene; area lights go on from there, in their order among the lights. Tables
     of the scene lowered last are used again where only the camera or the size differ. Endless fields reach as far as
@@ -40,11 +42,11 @@ def lower_scene(scene: Scene, size: tuple[int, int], threads: int | None = None)
     if scene.camera is None:
         raise SceneError("the scene has no camera; give Scene(camera=...) or use isophote.studio(scene)")
     camera = np.stack(scene.camera.linear_map(size)).astype(np.float32)
-    tables = _latest.find(scene)
+    tables = _latest.find(scene, accelerator)
     if tables is None:
         parts = _parts_of(scene)
-        tables = _tables(scene, parts, threads)
-        _latest.keep(scene, tables, one_view=endless(parts.fields))
+        tables = _tables(scene, parts, threads, accelerator)
+        _latest.keep(scene, accelerator, tables, one_view=endless(parts.fields))
     return SCENE.pack(**tables, camera=camera)
 
 
@@ -57,12 +59,12 @@ class _Parts(NamedTuple):
     lights: LightTable
 
 
-def _tables(scene: Scene, parts: _Parts, threads: int | None) -> dict[str, Packed]:
+def _tables(scene: Scene, parts: _Parts, threads: int | None, accelerator: str) -> dict[str, Packed]:
     """All tables but the camera's."""
     if not parts.meshes and not parts.fields:
         raise SceneError("the scene has nothing to draw: no items and no rectangle lights")
     labels = [(part.material, part.public) for part in parts.fields]
-    geometry, surfaces, bounds = lower_geometry(parts.meshes, labels, threads)
+    geometry, surfaces, bounds = lower_geometry(parts.meshes, labels, threads, accelerator)
     finite = _finite_bounds(scene, bounds, parts.fields)
     fields = _fields(parts, finite, threads)
     reach = float(np.linalg.norm(finite[1] - finite[0])) / 2

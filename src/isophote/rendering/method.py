@@ -9,6 +9,7 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
+from isophote.accel.accelerator import ACCELERATORS, REFERENCE
 from isophote.errors import RenderError
 from isophote.kernels.base.table import Packed
 from isophote.kernels.trace.first_hit import FEATURES, first_hits
@@ -18,7 +19,7 @@ from isophote.rendering.image import Image
 from isophote.rendering.pool import Pool
 from isophote.scene.scene import Scene
 
-__all__ = ["Job", "Method", "checked_seed", "checked_size", "first_hit_channels"]
+__all__ = ["Job", "Method", "checked_accelerator", "checked_seed", "checked_size", "first_hit_channels"]
 
 Array: TypeAlias = npt.NDArray[Any]
 Size: TypeAlias = tuple[int, int]
@@ -43,6 +44,13 @@ class Method(Protocol):
 
     def render(self, job: Job) -> Image:
         """The picture of `job.scene`."""
+
+
+def checked_accelerator(name: object) -> str:
+    """`name`, if it is that of an accelerator. Raises `RenderError`."""
+    if name not in (*ACCELERATORS, REFERENCE):
+        raise RenderError(f"accelerator must be one of {', '.join(ACCELERATORS)}, not {name!r}")
+    return str(name)
 
 
 def checked_size(size: object) -> Size:

@@ -19,7 +19,7 @@ from isophote.kernels.trace.wave import new_wave
 from isophote.lower.field_table import scratch_words
 from isophote.lower.scene import lower_scene
 from isophote.rendering.image import Image
-from isophote.rendering.method import Array, Job, Size, first_hit_channels
+from isophote.rendering.method import Array, Job, Size, checked_accelerator, first_hit_channels
 from isophote.rendering.pool import Pool, Tile, tiles_of
 from isophote.rendering.warm import warm_up
 
@@ -68,8 +68,9 @@ class PathTrace:
     `samples` paths a pixel (64, or as many as it takes where `seconds` or `noise` is given), of at most `max_depth`
     rays each: 1 shows what shines, 2 adds direct light, and so on. `filter` is "box", "tent" or "gaussian"; `pattern`
     is "sobol" (Owen-scrambled), "jittered" or "independent". Rendering stops after `seconds`, or when the standard
-    error of the pixels, in parts of the picture's mean, is below `noise`. Without these limits the same seed gives the
-    same bits on every machine of one kind, whatever the threads and tiles.
+    error of the pixels, in parts of the picture's mean, is below `noise`. `accelerator` names what finds what rays
+    meet. Without these limits the same seed gives the same bits on every machine of one kind, whatever the threads and
+    tiles.
     """
 
     samples: int | None = attrs.field(default=None, validator=attrs.validators.optional(_whole(1, _MOST_SAMPLES)))
@@ -78,6 +79,7 @@ class PathTrace:
     seconds: float | None = attrs.field(default=None, validator=attrs.validators.optional(_positive))
     noise: float | None = attrs.field(default=None, validator=attrs.validators.optional(_positive))
     pattern: str = attrs.field(default="sobol", validator=_one_of(_PATTERNS))
+    accelerator: str = attrs.field(default="bvh", converter=checked_accelerator)
 
     @property
     def planned_samples(self) -> int:
@@ -92,7 +94,7 @@ class PathTrace:
         began = time.monotonic()
         deadline = None if self.seconds is None else began + self.seconds
         job.report("building the tree", 0.0)
-        scene = lower_scene(job.scene, job.size, job.threads)
+        scene = lower_scene(job.scene, job.size, job.threads, self.accelerator)
         job.report("building the tree", 1.0)
         pool = Pool(job.threads)
         film = self._trace(scene, job, pool, deadline)

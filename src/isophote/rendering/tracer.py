@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import attrs
 import numpy as np
@@ -11,19 +11,24 @@ import numpy.typing as npt
 
 from isophote.errors import RenderError
 from isophote.kernels.base.table import Packed
+from isophote.kernels.trace.count import count_rays
 from isophote.kernels.trace.rays import QUERY, closest_rays, hit_normals, occluded_rays
+from isophote.kernels.trace.tables import SCENE
 from isophote.kernels.trace.wave import new_wave
 from isophote.lower.field_table import scratch_words
+from isophote.lower.objects import counting
 from isophote.lower.scene import lower_scene
+from isophote.rendering.method import checked_accelerator
 from isophote.rendering.pool import Pool
 from isophote.scene.camera import Camera
 from isophote.scene.scene import Item, Scene, Shape
 
-__all__ = ["Hits", "Tracer"]
+__all__ = ["Counts", "Hits", "Tracer"]
 
 Floats: TypeAlias = npt.NDArray[np.float32]
 Ints: TypeAlias = npt.NDArray[np.int32]
 _RayArrays: TypeAlias = tuple[Floats, Floats, Floats]
+_Words: TypeAlias = npt.NDArray[np.int64]
 
 _WRONG = {
     1: "origins must be finite in single precision, but number {number} is not",
@@ -33,6 +38,16 @@ _WRONG = {
 }
 _RAYS_A_JOB = 16_384
 _WAVE = 272
+# The columns of QUERY that are not asked for.
+_NOTHING: dict[str, npt.NDArray[Any]] = {
+    "distance": np.zeros(0, np.float32),
+    "uv": np.zeros((0, 2), np.float32),
+    "item": np.zeros(0, np.int32),
+    "primitive": np.zeros(0, np.int32),
+    "slot": np.zeros(0, np.int32),
+    "instance": np.zeros(0, np.int32),
+    "blocked": np.zeros(0, np.uint8),
+}
 
 
 @attrs.frozen(eq=False)
@@ -73,22 +88,34 @@ class Hits:
         return self.item >= 0
 
 
+class Counts(NamedTuple):
+    """What n rays visit up to their first hit, (n,) int32 each.
+
+    `nodes`: nodes, cells or planes of the accelerator, leaves among them; `primitives`: triangles that a ray is tested
+    against, as often as it is; `depth`: the deepest level that it reaches, 0 for the root's. Where a scene has
+    instances, nodes and triangles are summed over those whose boxes the ray enters.
+    """
+
+    nodes: Ints
+    primitives: Ints
+    depth: Ints
+
+
 class Tracer:
-    """A scene made ready for rays; `subject` is a shape, an item or a scene. The tree is built once.
+    """A scene made ready for rays; `subject` is a shape, an item or a scene. The accelerator is built once.
 
     Rays run in single precision. Lights that are no items are not met. Endless fields end far away: a thousand sizes of
     what is finite beside them.
     """
 
     def __init__(self, subject: Shape | Item | Scene, *, accelerator: str = "bvh", threads: int | None = None) -> None:
-        if accelerator != "bvh":
-            raise RenderError(f'accelerator must be "bvh", not {accelerator!r}')
         scene = (
             subject if isinstance(subject, Scene) else Scene([subject if isinstance(subject, Item) else Item(subject)])
         )
         self._threads = threads
         # The tables need some camera; rays do not.
-        self._scene = lower_scene(Scene(scene.items, camera=Camera((0, 0, 1), (0, 0, 0))), (1, 1), threads)
+        view = Scene(scene.items, camera=Camera((0, 0, 1), (0, 0, 0)))
+        self._scene = lower_scene(view, (1, 1), threads, checked_accelerator(accelerator))
 
     def closest(
         self,
@@ -109,18 +136,8 @@ class Tracer:
         count = len(rays[0])
         distance, uv = np.empty(count, np.float32), np.empty((count, 2), np.float32)
         item, primitive, slot, instance = (np.empty(count, np.int32) for _ in range(4))
-        query = self._run(
-            closest_rays,
-            rays,
-            coherent,
-            distance=distance,
-            item=item,
-            primitive=primitive,
-            uv=uv,
-            slot=slot,
-            instance=instance,
-            blocked=np.zeros(0, np.uint8),
-        )
+        found = {"distance": distance, "uv": uv, "item": item, "primitive": primitive, "slot": slot}
+        query = self._run(closest_rays, rays, coherent, **_NOTHING | found | {"instance": instance})
         return Hits(distance, item, primitive, uv, rays[:2], query, self._scene)
 
     def occluded(
@@ -134,20 +151,23 @@ class Tracer:
         """(n,): whether each ray meets anything at 0 < distance < `max_distance`; arguments as for `closest`."""
         rays = self._checked(_rays(origins, directions, max_distance))
         blocked = np.zeros(len(rays[0]), np.uint8)
-        none = np.zeros(0, np.int32)
-        self._run(
-            occluded_rays,
-            rays,
-            coherent,
-            distance=np.zeros(0, np.float32),
-            item=none,
-            primitive=none,
-            uv=np.zeros((0, 2), np.float32),
-            slot=none,
-            instance=none,
-            blocked=blocked,
-        )
+        self._run(occluded_rays, rays, coherent, **_NOTHING | {"blocked": blocked})
         return blocked.astype(bool)
+
+    def count(self, origins: npt.ArrayLike, directions: npt.ArrayLike, max_distance: npt.ArrayLike = np.inf) -> Counts:
+        """What each ray visits up to its first triangle; arguments as for `closest`. Other queries count nothing and
+        lose no time by it."""
+        rays = self._checked(_rays(origins, directions, max_distance))
+        counts = np.zeros((3, len(rays[0])), np.int32)
+        tables = {name: self._scene.arrays[name] for name in SCENE.fields}
+        scene = SCENE.pack(**tables | {"geometry": counting(tables["geometry"])})
+
+        def kernel(scene_words: _Words, query: _Words, wave: _Words, first: int, last: int, _: bool) -> tuple[int, int]:
+            fault: tuple[int, int] = count_rays(scene.words, query, wave, counts, first, last)
+            return fault
+
+        self._run(kernel, rays, False, **_NOTHING)
+        return Counts(*counts)
 
     def _checked(self, rays: _RayArrays) -> _RayArrays:
         """Rays that start where endless fields are whole. Raises `RenderError` for others."""
@@ -167,7 +187,7 @@ class Tracer:
         kernel: Callable[..., tuple[int, int]],
         rays: _RayArrays,
         coherent: bool,
-        **found: npt.NDArray[np.generic],
+        **found: npt.NDArray[Any],
     ) -> Packed:
         origins, directions, limit = rays
         count = len(origins)

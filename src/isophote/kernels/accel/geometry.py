@@ -1,8 +1,8 @@
 """All triangles of a scene as tables, and the two questions rays ask of them.
 
-A scene is a list of instances of objects. An object is a tree over triangles in its own space; one that is used
-once is stored in world space, all such together as one object. Where there is more than one instance, a tree over
-their boxes finds the ones that a ray may meet.
+A scene is a list of instances of objects. An object is a tree, or another accelerator, over triangles in its own space;
+one that is used once is stored in world space, all such together as one object. Where there is more than one instance,
+a tree over their boxes finds the ones that a ray may meet.
 """
 
 from __future__ import annotations
@@ -12,17 +12,32 @@ from typing import NamedTuple
 import numpy as np
 
 from isophote.kernels.accel.bvh import any_triangle, closest_triangle, enter_children, slabs
-from isophote.kernels.accel.layout import CHILD, NODE, PACKET_SCRATCH, SCRATCH, STACK
+from isophote.kernels.accel.contract import LIMIT, RAY_WORDS, WEIGHT1, WEIGHT2, set_ray
+from isophote.kernels.accel.layout import BLOCK, CHILD, LANES, NODE, PACKET_SCRATCH, SCRATCH, STACK
+from isophote.kernels.base.entry import call_entry, element_address, floats_at
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.simd import load_float, load_int, lowest_bit, store8, store_float, store_int
-from isophote.kernels.base.table import BYTES, FLOAT_ROWS, FLOATS, INTS, Table
+from isophote.kernels.base.table import BYTES, FLOAT_ROWS, FLOATS, INT, INTS, LONGS, Table
 from isophote.kernels.base.vec import vec3
 
-__all__ = ["GEOMETRY", "SCRATCH_WORDS", "Hit", "affine_point", "affine_vector", "closest_hit", "occluded", "push_boxes"]
+__all__ = [
+    "GEOMETRY",
+    "RAY",
+    "SCRATCH_WORDS",
+    "Hit",
+    "affine_point",
+    "affine_vector",
+    "closest_hit",
+    "occluded",
+    "push_boxes",
+]
 
-# Two stacks for a single ray, the upper tree's behind the lower one's, or one packet.
-SCRATCH_WORDS = max(2 * SCRATCH, PACKET_SCRATCH)
+# Two stacks for a single ray, the upper tree's behind the lower one's, or one packet; then, from word `RAY` on, the
+# words of a ray for an accelerator's entries.
+RAY = np.int64(max(2 * SCRATCH, PACKET_SCRATCH))
+SCRATCH_WORDS = max(2 * SCRATCH, PACKET_SCRATCH) + RAY_WORDS
 _NEAR = np.int64(SCRATCH + STACK)
+_RAY_WORDS = np.int64(RAY_WORDS)
 
 _ZERO = np.float32(0)
 
@@ -30,7 +45,9 @@ _ZERO = np.float32(0)
 # Trees and instances. `nodes`, `blocks`: every object's tree, one after another (layout.py). `roots` (instances,): the
 # root node of each instance's object. `to_object`, `to_world` (instances, 12): rows of affine 3 × 4 matrices.
 # `identity` (instances,): whether these are the identity. `top_nodes`, `top_items`: tree over the instances' boxes;
-# empty where there is one instance.
+# empty where there is one instance. `closest`, `any`: the entries of the accelerator of all objects (contract.py), or 0
+# for trees, which are compiled into what asks; `objects` (instances,): addresses of its tables for each instance's
+# object, and `first_blocks` (instances,): the object's first block.
 GEOMETRY = Table(
     "Geometry",
     nodes=FLOATS,
@@ -41,6 +58,10 @@ GEOMETRY = Table(
     identity=BYTES,
     top_nodes=FLOATS,
     top_items=INTS,
+    closest=INT,
+    any=INT,
+    objects=LONGS,
+    first_blocks=LONGS,
 )
 
 
@@ -80,11 +101,42 @@ def _into_object(geometry, instance, origin, direction):
 
 
 @device
+def _ask_entry(geometry, address, instance, origin, direction, limit, scratch):
+    """What an entry of the accelerator answers to a ray in the space of an instance's object; the ray's words."""
+    ray_address = element_address(scratch, RAY)
+    ray = floats_at(ray_address, _RAY_WORDS)
+    set_ray(ray, origin, direction, limit)
+    blocks = element_address(geometry.blocks, geometry.first_blocks[instance] * BLOCK)
+    return call_entry(address, (geometry.objects[instance], blocks, ray_address)), ray
+
+
+@device
+def _closest_by_entry(geometry, instance, origin, direction, best, scratch):
+    """As _closest_in_instance, by the accelerator's entry."""
+    slot, ray = _ask_entry(geometry, geometry.closest, instance, origin, direction, best.t, scratch)
+    if slot < 0:
+        return best
+    slot += geometry.first_blocks[instance] * LANES
+    return Hit(load_float(ray, LIMIT), load_float(ray, WEIGHT1), load_float(ray, WEIGHT2), slot, instance)
+
+
+@device
 def _closest_in_instance(geometry, instance, origin, direction, best, scratch):
     """`best`, or the nearer hit of an instance."""
     o, d = _into_object(geometry, instance, origin, direction)
+    if geometry.closest != 0:
+        return _closest_by_entry(geometry, instance, o, d, best, scratch)
     t, w1, w2, slot = closest_triangle(geometry.nodes, geometry.blocks, geometry.roots[instance], o, d, best.t, scratch)
     return Hit(t, w1, w2, slot, instance) if slot >= 0 else best
+
+
+@device
+def _any_in_instance(geometry, instance, origin, direction, t_max, scratch):
+    o, d = _into_object(geometry, instance, origin, direction)
+    if geometry.any != 0:
+        blocked, _ = _ask_entry(geometry, geometry.any, instance, o, d, t_max, scratch)
+        return blocked != 0
+    return any_triangle(geometry.nodes, geometry.blocks, geometry.roots[instance], o, d, t_max, scratch)
 
 
 @device
@@ -157,8 +209,7 @@ def occluded(geometry, origin, direction, t_max, scratch):
             first = code >> 3
             for entry in range(first, first + (code & 7)):
                 instance = np.int64(geometry.top_items[entry]) if many else np.int64(0)
-                o, d = _into_object(geometry, instance, origin, direction)
-                if any_triangle(geometry.nodes, geometry.blocks, geometry.roots[instance], o, d, t_max, scratch):
+                if _any_in_instance(geometry, instance, origin, direction, t_max, scratch):
                     return True
         if top == base:
             return False

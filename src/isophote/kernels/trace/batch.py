@@ -44,8 +44,11 @@ _FEW_BLOCKS = 24
 
 @device
 def in_packets(geometry, coherent):
-    """Whether rays go in packets: where they go much the same way, or nearly every ray comes by every triangle."""
-    return geometry.top_nodes.rows == 0 and (coherent or geometry.blocks.rows <= _FEW_BLOCKS * BLOCK)
+    """Whether rays go in packets: where they go much the same way, or nearly every ray comes by every triangle.
+    Packets are for trees, and for one object."""
+    if geometry.top_nodes.rows > 0 or geometry.closest != 0:
+        return False
+    return coherent or geometry.blocks.rows <= _FEW_BLOCKS * BLOCK
 
 
 @device

@@ -22,7 +22,7 @@ from isophote.kernels.trace import wave as rows
 from isophote.kernels.trace.batch import blocked_in_packets, closest_in_packets, in_packets
 from isophote.kernels.trace.tables import SCENE
 
-__all__ = ["QUERY", "closest_rays", "hit_normals", "occluded_rays"]
+__all__ = ["QUERY", "closest_rays", "first_fault", "hit_normals", "occluded_rays"]
 
 # Rays and what is found, one row each: `limit` is the largest distance in lengths of the direction; `slot` and
 # `instance` (−1: none) name the triangle for later questions.
@@ -49,7 +49,7 @@ open_scene, open_query, open_wave = SCENE.open, QUERY.open, rows.WAVE.open
 
 
 @device
-def _first_fault(query, first, last):
+def first_fault(query, first, last):
     """(kind, number) of the first ray that makes no sense: kind 1 an origin or 2 a direction that is not finite, 3 a
     direction that is zero or too short, 4 a limit that is NaN, 0 for none."""
     o, d = query.origins, query.directions
@@ -151,7 +151,7 @@ def closest_rays(scene_words, query_words, wave_words, first, last, coherent):
     """The first hit of rays first ≤ i < last. Returns (kind, number) of the first of them that makes no sense, without
     tracing any: kind 1 origin, 2 direction, 3 its length, 4 limit, 0 where all are right."""
     scene, query, wave = open_scene(scene_words), open_query(query_words), open_wave(wave_words)
-    fault = _first_fault(query, first, last)
+    fault = first_fault(query, first, last)
     if fault[0] != 0:
         return fault
     if in_packets(scene.geometry, coherent):
@@ -178,7 +178,7 @@ def _blocked_in_packets(scene, query, wave, first, last):
 def occluded_rays(scene_words, query_words, wave_words, first, last, coherent):
     """Whether rays first ≤ i < last meet anything before their limit; returns as closest_rays does."""
     scene, query, wave = open_scene(scene_words), open_query(query_words), open_wave(wave_words)
-    fault = _first_fault(query, first, last)
+    fault = first_fault(query, first, last)
     if fault[0] != 0:
         return fault
     if in_packets(scene.geometry, coherent):
