@@ -16,6 +16,7 @@ from isophote.lower.geometry import Part, lower_geometry
 from isophote.lower.latest import Latest
 from isophote.lower.lights import LightTable, rectangle_mesh
 from isophote.lower.materials import MaterialTable, emission_of
+from isophote.lower.primitive_table import no_primitives
 from isophote.scene.light import RectLight
 from isophote.scene.material import Emitter
 from isophote.scene.scene import Scene, placed_box
@@ -76,6 +77,7 @@ def _tables(scene: Scene, parts: _Parts, threads: int | None, accelerator: str) 
         "geometry": geometry,
         "surfaces": surfaces,
         "fields": fields,
+        "primitives": no_primitives(),
         "materials": material_table,
         "textures": textures,
         "lights": parts.lights.build(reach),

@@ -6,13 +6,13 @@ import numpy as np
 
 from isophote.kernels.accel.field_layout import FIELD, SURFACE
 from isophote.kernels.accel.geometry import SCRATCH_WORDS, Hit
-from isophote.kernels.accel.surface import Surface, surface_at
+from isophote.kernels.accel.surface import Surface
 from isophote.kernels.base.entry import call_entry, element_address, table_address
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.simd import store_int
 from isophote.kernels.base.vec import vec3
 
-__all__ = ["closest_field", "field_occludes", "surface_of"]
+__all__ = ["closest_field", "field_occludes", "surface_of_field"]
 
 _ZERO, _ONE = np.float32(0), np.float32(1)
 # The entries' scratch lies behind that of the trees of triangles.
@@ -52,10 +52,8 @@ def field_occludes(fields, origin, direction, t_max, scratch):
 
 
 @device
-def surface_of(geometry, surfaces, fields, origin, direction, hit, scratch):
-    """The `Surface` of a `Hit` on a triangle or a field."""
-    if hit.slot >= 0:
-        return surface_at(geometry, surfaces, hit)
+def surface_of_field(fields, origin, direction, hit, scratch):
+    """The `Surface` of a `Hit` on a field."""
     _load_ray(scratch, origin, direction, hit.t)
     store_int(scratch, _AT + 7, np.int32(hit.instance))
     store_int(scratch, _AT + 8, np.int32(_FIELD - hit.slot))

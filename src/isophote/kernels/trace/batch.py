@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from isophote.kernels.accel.field_chain import closest_field, field_occludes
 from isophote.kernels.accel.geometry import Hit, closest_hit, occluded
 from isophote.kernels.accel.layout import BLOCK, PACKET
 from isophote.kernels.accel.packet import (
@@ -21,6 +20,7 @@ from isophote.kernels.base.jit import device
 from isophote.kernels.base.simd import load_float, load_int, store_float
 from isophote.kernels.light.emitter import closest_lamp, lamp_blocks
 from isophote.kernels.trace import wave as rows
+from isophote.kernels.trace.direct import closest_direct, direct_occludes, has_direct
 from isophote.kernels.trace.wave import add_radiance, row_vec3
 
 __all__ = [
@@ -127,20 +127,20 @@ def _closest_one_by_one(geometry, wave, count):
 
 
 @device
-def _closest_fields(fields, wave, count):
-    """Fields that lie before what the wave's rays have met so far."""
+def _closest_direct(scene, wave, count):
+    """Primitives and fields that lie before what the wave's rays have met so far."""
     floats, longs = wave.floats, wave.longs
     for i in range(count):
         origin, direction = row_vec3(floats, rows.ORIGIN, i), row_vec3(floats, rows.DIRECTION, i)
         best = Hit(floats[rows.HIT_T, i], _ZERO, _ZERO, longs[rows.HIT_SLOT, i], longs[rows.HIT_INSTANCE, i])
-        hit = closest_field(fields, origin, direction, best, wave.scratch)
+        hit = closest_direct(scene, origin, direction, best, wave.scratch)
         floats[rows.HIT_T, i] = hit.t
         longs[rows.HIT_SLOT, i], longs[rows.HIT_INSTANCE, i] = hit.slot, hit.instance
 
 
 @device
 def trace_rays(scene, wave, count, coherent):
-    """First hit of every path's ray, fields and lamps included."""
+    """First hit of every path's ray, lamps included."""
     if scene.geometry.blocks.rows == 0:
         for i in range(count):
             wave.longs[rows.HIT_SLOT, i] = -1
@@ -148,8 +148,8 @@ def trace_rays(scene, wave, count, coherent):
         closest_in_packets(scene.geometry, wave, count)
     else:
         _closest_one_by_one(scene.geometry, wave, count)
-    if scene.fields.numbers.rows > 0:
-        _closest_fields(scene.fields, wave, count)
+    if has_direct(scene):
+        _closest_direct(scene, wave, count)
     if scene.lights.lamps.rows == 0:
         return
     floats, longs = wave.floats, wave.longs
@@ -194,10 +194,10 @@ def _blocked_by_triangles(geometry, wave, count, coherent):
 
 @device
 def _blocked_otherwise(scene, wave, i):
-    """Whether a field or a lamp is in the way of shadow ray `i`."""
+    """Whether a primitive, a field or a lamp is in the way of shadow ray `i`."""
     origin, direction = row_vec3(wave.floats, rows.SHADOW_ORIGIN, i), row_vec3(wave.floats, rows.SHADOW_DIRECTION, i)
     end = wave.floats[rows.SHADOW_END, i]
-    if field_occludes(scene.fields, origin, direction, end, wave.scratch):
+    if direct_occludes(scene, origin, direction, end, wave.scratch):
         return True
     return lamp_blocks(scene.lights, origin, direction, end)
 
@@ -206,7 +206,7 @@ def _blocked_otherwise(scene, wave, i):
 def find_blocked(scene, wave, count, coherent):
     """Whether each shadow ray of the wave meets anything before its end, 0 or 1 in its row BLOCKED."""
     _blocked_by_triangles(scene.geometry, wave, count, coherent)
-    if scene.fields.numbers.rows + scene.lights.lamps.rows > 0:
+    if has_direct(scene) or scene.lights.lamps.rows > 0:
         for i in range(count):
             if wave.ints[rows.BLOCKED, i] == 0:
                 wave.ints[rows.BLOCKED, i] = _blocked_otherwise(scene, wave, i)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from isophote.kernels.accel.field_chain import closest_field, surface_of
 from isophote.kernels.accel.geometry import closest_hit
 from isophote.kernels.accel.surface import PUBLIC, face_number
 from isophote.kernels.base.jit import device, kernel
@@ -12,6 +11,7 @@ from isophote.kernels.base.table import FLOAT_ROWS, FLOATS, INT_ROWS, Table
 from isophote.kernels.base.vec import dot, length
 from isophote.kernels.light.emitter import closest_lamp, lamp_normal
 from isophote.kernels.trace.camera import camera_ray
+from isophote.kernels.trace.direct import closest_direct, surface_of
 from isophote.kernels.trace.shading import surface_colour
 from isophote.kernels.trace.tables import SCENE
 
@@ -58,7 +58,7 @@ def _write_lamp(scene, features, y, x, origin, direction, t, lamp):
 
 @device
 def _write_surface(scene, features, y, x, origin, direction, hit):
-    surface = surface_of(scene.geometry, scene.surfaces, scene.fields, origin, direction, hit, features.scratch)
+    surface = surface_of(scene, origin, direction, hit, features.scratch)
     _set(features.normal, y, x, _facing(surface.shading, direction))
     _set(features.albedo, y, x, surface_colour(scene, surface))
     features.uv[y, 2 * x] = surface.u
@@ -76,7 +76,7 @@ def first_hits(scene_words, feature_words, width, y0, y1):
             px, py = np.float32(x) + _HALF, np.float32(y) + _HALF
             origin, direction = camera_ray(scene.camera, px, py, _ZERO, _ZERO)
             hit = closest_hit(scene.geometry, origin, direction, _FAR, features.scratch)
-            hit = closest_field(scene.fields, origin, direction, hit, features.scratch)
+            hit = closest_direct(scene, origin, direction, hit, features.scratch)
             t, lamp = closest_lamp(scene.lights, origin, direction, hit.t)
             if lamp < 0 and hit.slot == _NONE:
                 continue

@@ -13,8 +13,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from isophote.kernels.accel.field_chain import surface_of
-from isophote.kernels.accel.field_layout import FIELD
 from isophote.kernels.accel.geometry import Hit
 from isophote.kernels.accel.surface import MATERIAL, offset_point, triangle_light
 from isophote.kernels.base.jit import device, kernel
@@ -30,6 +28,7 @@ from isophote.kernels.light.emitter import (
 from isophote.kernels.light.environment import environment_density, environment_radiance
 from isophote.kernels.trace import wave as rows
 from isophote.kernels.trace.batch import LAMP, trace_rays, trace_shadow_rays
+from isophote.kernels.trace.direct import is_surface, surface_of
 from isophote.kernels.trace.samples import FIRST, Tile, develop, draw, start_paths
 from isophote.kernels.trace.shading import mirror_ray, scatter_glass_ray, seen_normal, surface_colour, surface_emission
 from isophote.kernels.trace.tables import FILM, PLAN, SCENE
@@ -184,7 +183,7 @@ def _shade(tables, plan, wave, count, depth):
         owner = np.int64(ints[rows.OWNER, i])
         origin, direction = row_vec3(floats, rows.ORIGIN, i), row_vec3(floats, rows.DIRECTION, i)
         carried, scattered = row_vec3(floats, rows.CARRIED, i), floats[rows.DENSITY, i]
-        if slot < 0 and slot > FIELD:
+        if not is_surface(slot):
             if slot == LAMP:
                 k = longs[rows.HIT_INSTANCE, i]
                 to_light = direction * floats[rows.HIT_T, i]
@@ -197,7 +196,7 @@ def _shade(tables, plan, wave, count, depth):
         hit = Hit(
             floats[rows.HIT_T, i], floats[rows.HIT_W1, i], floats[rows.HIT_W2, i], slot, longs[rows.HIT_INSTANCE, i]
         )
-        surface = surface_of(tables.geometry, tables.surfaces, tables.fields, origin, direction, hit, wave.scratch)
+        surface = surface_of(tables, origin, direction, hit, wave.scratch)
         material = np.int64(tables.surfaces.items[surface.item, MATERIAL])
         kind = tables.materials.kinds[material]
         emitted = _emitted(tables, surface, origin, direction, scattered)

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from isophote.kernels.accel.field_chain import closest_field, field_occludes, surface_of
-from isophote.kernels.accel.field_layout import FIELD, SURFACE
 from isophote.kernels.accel.geometry import Hit, closest_hit, occluded
 from isophote.kernels.accel.surface import (
     FIRST_TRIANGLE,
@@ -20,6 +18,7 @@ from isophote.kernels.base.table import BYTES, FLOAT_ROWS, FLOATS, INTS, Table
 from isophote.kernels.base.vec import vec3
 from isophote.kernels.trace import wave as rows
 from isophote.kernels.trace.batch import blocked_in_packets, closest_in_packets, in_packets
+from isophote.kernels.trace.direct import closest_direct, direct_item, direct_occludes, has_direct, surface_of
 from isophote.kernels.trace.tables import SCENE
 
 __all__ = ["QUERY", "closest_rays", "first_fault", "hit_normals", "occluded_rays"]
@@ -131,17 +130,17 @@ def _closest_in_packets(scene, query, wave, first, last):
 
 
 @device
-def _closest_fields(scene, query, wave, first, last):
-    """Fields that lie before what rays first ≤ i < last have met so far."""
+def _closest_direct(scene, query, wave, first, last):
+    """Primitives and fields that lie before what rays first ≤ i < last have met so far."""
     for i in range(first, last):
         origin, direction = _row(query.origins, i), _row(query.directions, i)
         limit = query.limit[i] if query.slot[i] == _NONE else query.distance[i]
         best = Hit(limit, _ZERO, _ZERO, _NONE, np.int64(0))
-        hit = closest_field(scene.fields, origin, direction, best, wave.scratch)
+        hit = closest_direct(scene, origin, direction, best, wave.scratch)
         if hit.slot != _NONE:
             query.distance[i] = hit.t
             query.uv[i, 0] = query.uv[i, 1] = _ZERO
-            query.item[i] = scene.surfaces.items[scene.fields.numbers[hit.instance, SURFACE], PUBLIC]
+            query.item[i] = scene.surfaces.items[direct_item(scene, hit), PUBLIC]
             query.primitive[i] = 0
             query.slot[i], query.instance[i] = hit.slot, hit.instance
 
@@ -158,8 +157,8 @@ def closest_rays(scene_words, query_words, wave_words, first, last, coherent):
         _closest_in_packets(scene, query, wave, first, last)
     else:
         _closest_one_by_one(scene, query, wave, first, last)
-    if scene.fields.numbers.rows > 0:
-        _closest_fields(scene, query, wave, first, last)
+    if has_direct(scene):
+        _closest_direct(scene, query, wave, first, last)
     return fault
 
 
@@ -187,11 +186,11 @@ def occluded_rays(scene_words, query_words, wave_words, first, last, coherent):
         for i in range(first, last):
             origin, direction = _row(query.origins, i), _row(query.directions, i)
             query.blocked[i] = occluded(scene.geometry, origin, direction, query.limit[i], wave.scratch)
-    if scene.fields.numbers.rows > 0:
+    if has_direct(scene):
         for i in range(first, last):
             if query.blocked[i] == 0:
                 origin, direction = _row(query.origins, i), _row(query.directions, i)
-                query.blocked[i] = field_occludes(scene.fields, origin, direction, query.limit[i], wave.scratch)
+                query.blocked[i] = direct_occludes(scene, origin, direction, query.limit[i], wave.scratch)
     return fault
 
 
@@ -204,9 +203,9 @@ def hit_normals(scene_words, query_words, scratch, normals):
         if slot == _NONE:
             continue
         hit = Hit(query.distance[i], _ZERO, _ZERO, slot, instance)
-        if slot <= FIELD:
+        if slot < 0:
             origin, direction = _row(query.origins, i), _row(query.directions, i)
-            normal = surface_of(scene.geometry, scene.surfaces, scene.fields, origin, direction, hit, scratch).normal
+            normal = surface_of(scene, origin, direction, hit, scratch).normal
         else:
             normal = true_normal(
                 scene.geometry,

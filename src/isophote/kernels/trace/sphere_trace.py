@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from isophote.kernels.accel import field_layout as layout
-from isophote.kernels.accel.field_chain import closest_field, field_occludes, surface_of
+from isophote.kernels.accel.field_chain import closest_field, field_occludes
 from isophote.kernels.accel.field_march import slots_at, tape_at
 from isophote.kernels.accel.geometry import SCRATCH_WORDS, Hit, closest_hit, occluded
 from isophote.kernels.accel.surface import MATERIAL, PUBLIC, face_number, offset_point
@@ -25,8 +25,10 @@ from isophote.kernels.base.vec import dot, length, vec3
 from isophote.kernels.base.warp import INV_PI
 from isophote.kernels.light.bsdf import BLACK
 from isophote.kernels.light.environment import environment_radiance
+from isophote.kernels.primitive.chain import closest_primitive, primitive_occludes
 from isophote.kernels.trace import sphere_pixels as pixel
 from isophote.kernels.trace.camera import camera_ray
+from isophote.kernels.trace.direct import surface_of
 from isophote.kernels.trace.shading import surface_colour, surface_emission
 from isophote.kernels.trace.sphere_lights import light_from
 from isophote.kernels.trace.sphere_march import (
@@ -142,6 +144,7 @@ def _load_pixels(scene, march, picture, x0, y0, x1, y1):
         hit = Hit(march.max_distance, _ZERO, _ZERO, _NO_SLOT, np.int64(0))
         if scene.geometry.blocks.rows > 0:
             hit = closest_hit(scene.geometry, origin, direction, march.max_distance, picture.scratch)
+        hit = closest_primitive(scene.primitives, origin, direction, hit, picture.scratch)
         _keep(pixels, lane, hit)
     return active
 
@@ -246,7 +249,7 @@ def _surfaces(scene, picture, active, x0, y0):
             set_lane_vec3(pixels, pixel.GATHERED, lane, environment_radiance(scene.lights.environment, direction))
             continue
         origin = lane_vec3(pixels, pixel.ORIGIN, lane)
-        surface = surface_of(scene.geometry, scene.surfaces, scene.fields, origin, direction, hit, picture.scratch)
+        surface = surface_of(scene, origin, direction, hit, picture.scratch)
         seen = surface.shading if dot(surface.shading, direction) < _ZERO else -surface.shading
         colour = surface_colour(scene, surface)
         emitted, two_sided = surface_emission(scene, surface)
@@ -326,6 +329,8 @@ def _blocked(scene, march, picture, lane, arriving):
     start = _start(picture.pixels, lane, arriving.direction)
     end = _FAR if arriving.distance == _FAR else arriving.distance * _SHADOW_END
     if scene.geometry.blocks.rows > 0 and occluded(scene.geometry, start, arriving.direction, end, picture.scratch):
+        return True
+    if primitive_occludes(scene.primitives, start, arriving.direction, end, picture.scratch):
         return True
     # A light that is seen as a point has no soft shadow either.
     if march.shadows == HARD or arriving.width <= _ZERO:

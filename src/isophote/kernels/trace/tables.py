@@ -9,6 +9,7 @@ from isophote.kernels.base.table import DOUBLE_BOXES, FLOAT_ROWS, INT, LONG_ROWS
 from isophote.kernels.light.bsdf import MATERIALS
 from isophote.kernels.light.emitter import LIGHTS
 from isophote.kernels.light.texture import TEXTURES
+from isophote.kernels.primitive.layout import PRIMITIVES
 
 __all__ = ["FILM", "PLAN", "SCENE"]
 
@@ -18,6 +19,7 @@ SCENE = Table(
     geometry=GEOMETRY,
     surfaces=SURFACES,
     fields=FIELDS,
+    primitives=PRIMITIVES,
     materials=MATERIALS,
     textures=TEXTURES,
     lights=LIGHTS,

@@ -1,0 +1,108 @@
+"""Rays against primitives: those that stand alone one by one, the others through the tree over their boxes."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from isophote.kernels.accel.geometry import push_boxes
+from isophote.kernels.accel.layout import STACK
+from isophote.kernels.base.doubles import doubles_at
+from isophote.kernels.base.entry import call_entry, element_address, entry, floats_at, opener_at
+from isophote.kernels.base.jit import device
+from isophote.kernels.base.simd import load_float, load_int
+from isophote.kernels.base.vec import dot, vec3
+from isophote.kernels.primitive import layout
+from isophote.kernels.primitive.layout import PRIMITIVES
+from isophote.kernels.primitive.line import placed
+
+__all__ = ["meet_primitive", "passes_by", "trace_primitive"]
+
+_ZERO = np.float32(0)
+_NOTHING, _ONE = 0.0, 1.0
+_NONE, _WORD, _PART_BITS = np.int64(-1), np.int64(4), np.int64(4)
+_BALL_SLACK = np.float32(1 - 2.0**-18)
+# The stack's words end where a row of distances begins.
+_STACK = np.int64(STACK)
+
+open_primitives_at = opener_at(PRIMITIVES)
+
+
+@device
+def passes_by(primitives, k, origin, direction):
+    """Whether a ray certainly misses the ball around primitive `k`."""
+    reach = primitives.reach
+    to_ball = vec3(reach[k, 0] - origin.x, reach[k, 1] - origin.y, reach[k, 2] - origin.z)
+    radius, distance2 = reach[k, 3], dot(to_ball, to_ball)
+    # More than the rounding of what is compared.
+    outside = distance2 * _BALL_SLACK - radius * radius
+    along = dot(to_ball, direction)
+    return outside > _ZERO and (along <= _ZERO or along * along < outside * dot(direction, direction))
+
+
+@device
+def meet_primitive(primitives, k, origin, direction, t_max, line):
+    """(t, part) where a ray first meets primitive `k` at 0 < t < t_max; part −1 for nowhere. `line` has WORDS."""
+    m = primitives.to_object
+    line[0], line[1], line[2] = placed(m, k, np.float64(origin.x), np.float64(origin.y), np.float64(origin.z), _ONE)
+    line[3], line[4], line[5] = placed(
+        m, k, np.float64(direction.x), np.float64(direction.y), np.float64(direction.z), _NOTHING
+    )
+    line[layout.LOW], line[layout.HIGH], line[layout.MOST] = _NOTHING, np.float64(t_max), _ONE
+    own = element_address(primitives.values, np.int64(primitives.numbers[k, layout.FIRST]))
+    if call_entry(primitives.entries[k, layout.MEET], (own, element_address(line, np.int64(0)))) == 0:
+        return t_max, _NONE
+    return np.float32(line[layout.FOUND]), np.int64(line[layout.FOUND + 1])
+
+
+@device
+def _first_primitive(primitives, origin, direction, t_max, any_hit, stack, line):
+    """(t, primitive · 2⁴ + part) of what a ray meets first; −1 for nothing."""
+    found = _NONE
+    for i in range(primitives.alone.rows):
+        k = np.int64(primitives.alone[i])
+        if not passes_by(primitives, k, origin, direction):
+            t, part = meet_primitive(primitives, k, origin, direction, t_max, line)
+            if part >= 0:
+                t_max, found = t, (k << _PART_BITS) + part
+                if any_hit:
+                    return t_max, found
+    if primitives.top_nodes.rows == 0:
+        return t_max, found
+    # As closest_hit goes through instances.
+    top, node = np.int64(0), np.int32(0)
+    while True:
+        if node >= 0:
+            top = push_boxes(primitives.top_nodes, node, origin, direction, t_max, stack, top, _STACK)
+        else:
+            code = np.int64(-1) - np.int64(node)
+            first = code >> 3
+            for at in range(first, first + (code & 7)):
+                k = np.int64(primitives.top_items[at])
+                t, part = meet_primitive(primitives, k, origin, direction, t_max, line)
+                if part >= 0:
+                    t_max, found = t, (k << _PART_BITS) + part
+                    if any_hit:
+                        return t_max, found
+        while True:
+            if top == 0:
+                return t_max, found
+            top -= 2
+            if load_float(stack, top) < t_max:
+                node = load_int(stack, top + 1)
+                break
+
+
+@entry
+def trace_primitive(primitives_address, scratch_address):
+    """The first primitive that a ray meets before its limit: primitive · 2⁴ + part of its surface, or −1.
+
+    The ray's words stand at the start of the scratch; its limit becomes t.
+    """
+    primitives = open_primitives_at(primitives_address)
+    ray = floats_at(scratch_address, np.int64(layout.RAY_WORDS))
+    line = doubles_at(scratch_address + _WORD * layout.LINE_AT, np.int64(layout.WORDS))
+    stack = floats_at(scratch_address + _WORD * layout.STACK_AT, np.int64(layout.STACK_WORDS))
+    origin, direction = vec3(ray[0], ray[1], ray[2]), vec3(ray[3], ray[4], ray[5])
+    t, found = _first_primitive(primitives, origin, direction, ray[6], ray[7] != _ZERO, stack, line)
+    ray[6] = t
+    return found
