@@ -32,6 +32,7 @@ _HOME = {
     "Item": "scene.scene",
     "Matte": "scene.material",
     "Mesh": "shapes.mesh",
+    "Metal": "scene.metal",
     "Mirror": "scene.material",
     "OrthographicCamera": "scene.camera",
     "Parameter": "shapes.field.expression",

@@ -15,7 +15,8 @@ from isophote.io.mtl import MtlMaterial, parse_mtl
 from isophote.io.obj_read import parse_obj
 from isophote.io.source import read_source
 from isophote.io.texture_file import load_texture
-from isophote.scene.material import Emitter, Glass, Material, Matte, Mirror
+from isophote.scene.material import Emitter, Glass, Matte, Mirror
+from isophote.scene.material_base import Material
 from isophote.scene.scene import Item, Scene
 from isophote.scene.texture import Texture
 from isophote.shapes.mesh import Attribute, FaceLabels, Mesh

@@ -14,8 +14,9 @@ from isophote.errors import FileError, IsophoteWarning
 from isophote.io.files import StrPath, write_bytes
 from isophote.io.obj_write import encode_obj
 from isophote.io.texture_png import encode_texture
-from isophote.scene.colour import Colour
-from isophote.scene.material import Emitter, Glass, Material, Matte, Mirror, Principled
+from isophote.scene.colour import WHITE, Colour
+from isophote.scene.material import Emitter, Glass, Mirror, Principled
+from isophote.scene.material_base import Material
 from isophote.scene.scene import Item, Scene
 from isophote.scene.texture import Texture
 from isophote.shapes.mesh import Attribute, FaceLabels, Mesh
@@ -91,12 +92,12 @@ def _statements(material: Material, stem: str, pictures: dict[Texture, str]) -> 
     return text
 
 
-def _diffuse(material: Matte | Principled) -> tuple[Colour, Texture | None]:
+def _diffuse(material: Material) -> tuple[Colour, Texture | None]:
+    """What comes nearest to a material's colour, and its texture."""
     if isinstance(material, Principled):
         return material.colour, material.colour_texture
-    if isinstance(material.colour, Texture):
-        return (1.0, 1.0, 1.0), material.colour
-    return material.colour, None
+    colour = getattr(material, "colour", WHITE)
+    return (WHITE, colour) if isinstance(colour, Texture) else (colour, None)
 
 
 def _joined(path: StrPath, items: tuple[Item, ...], names: list[str]) -> Mesh:

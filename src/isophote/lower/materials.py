@@ -2,20 +2,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from functools import singledispatch
-from typing import NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 
+from isophote.errors import SceneError
 from isophote.kernels.base.table import Packed
+from isophote.kernels.brdf.contract import MOST_SLOTS, NODE_WORDS
 from isophote.kernels.light import bsdf, texture
 from isophote.kernels.light.bsdf import MATERIALS
 from isophote.kernels.light.texture import TEXTURES
+from isophote.kernels.trace.prepare import prepare
+from isophote.lower.lobes import Node, Slot, node_of
 from isophote.scene.colour import srgb_to_linear
-from isophote.scene.material import Emitter, Glass, Material, Matte, Mirror, Principled
+from isophote.scene.material import Emitter, Glass, Matte, Mirror, Principled
+from isophote.scene.material_base import Material
+from isophote.scene.metal import Metal
 from isophote.scene.texture import Texture
 
 __all__ = ["MaterialTable", "emission_of"]
+
+Floats: TypeAlias = npt.NDArray[np.float32]
 
 _WRAP = {"repeat": texture.REPEAT, "clamp": texture.CLAMP, "mirror": texture.MIRROR}
 _FILTER = {"bilinear": texture.BILINEAR, "nearest": texture.NEAREST}
@@ -23,7 +33,8 @@ _FLOAT_TEXELS = 2
 
 
 class _Row(NamedTuple):
-    """One material: kind, colour, texture, emitted radiance, index of refraction, whether both sides emit."""
+    """One material: kind, colour, texture, emitted radiance, index of refraction, whether both sides emit, the number
+    of single directions that light is sent to, and the node of a kind that is called by address."""
 
     kind: int
     colour: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -31,6 +42,8 @@ class _Row(NamedTuple):
     emission: tuple[float, float, float] = (0.0, 0.0, 0.0)
     ior: float = 1.0
     two_sided: bool = False
+    branches: int = 0
+    node: Node | None = None
 
 
 @singledispatch
@@ -47,12 +60,12 @@ def _(material: Matte) -> _Row:
 
 @_row.register
 def _(material: Mirror) -> _Row:
-    return _Row(bsdf.MIRROR, material.colour)
+    return _Row(bsdf.MIRROR, material.colour, branches=1)
 
 
 @_row.register
 def _(material: Glass) -> _Row:
-    return _Row(bsdf.GLASS, material.colour, ior=material.ior)
+    return _Row(bsdf.GLASS, material.colour, ior=material.ior, branches=2)
 
 
 @_row.register
@@ -63,6 +76,17 @@ def _(material: Emitter) -> _Row:
 @_row.register
 def _(material: Principled) -> _Row:
     return _Row(bsdf.MATTE, material.colour, material.colour_texture, material.emission, two_sided=material.two_sided)
+
+
+@_row.register
+def _(material: Metal) -> _Row:
+    return _linked(material, Slot.of(material.colour))
+
+
+def _linked(material: Material, shown: Slot) -> _Row:
+    """The row of a kind that is called by address; `shown` is what stands for its colour in channels of pictures."""
+    node = node_of(material)
+    return _Row(bsdf.LINKED, shown.value, shown.texture, branches=node.branches, node=node)
 
 
 def emission_of(material: Material) -> tuple[tuple[float, float, float], bool]:
@@ -83,19 +107,66 @@ class MaterialTable:
         return self._numbers.setdefault(material, len(self._numbers))
 
     def build(self) -> tuple[Packed, Packed]:
-        """The tables of all materials that were numbered."""
+        """The tables of all materials that were numbered. Raises `SceneError` where one has too many parts."""
         rows = [_row(material) for material in self._numbers]
         textures = [-1 if row.texture is None else self._texture(row.texture) for row in rows]
         values = [(*row.colour, *row.emission, row.ior, float(row.two_sided)) for row in rows]
+        scatters = [row.kind == bsdf.MATTE if row.node is None else row.node.scatters for row in rows]
         materials = MATERIALS.pack(
             kinds=np.array([row.kind for row in rows], np.int32),
             textures=np.array(textures, np.int32),
             values=np.array(values, np.float32).reshape(-1, 8),
+            scatters=np.array(scatters, np.int32),
+            branches=np.array([row.branches for row in rows], np.int32),
+            **_Nodes(self._texture).add_all([row.node for row in rows]),
         )
         return materials, _lower_textures(tuple(self._textures))
 
     def _texture(self, image: Texture) -> int:
         return self._textures.setdefault(image, len(self._textures))
+
+
+class _Nodes:
+    """The nodes of all materials, their slots and their data, one after another."""
+
+    def __init__(self, texture: Callable[[Texture], int]) -> None:
+        self._texture = texture
+        self._nodes: list[list[int]] = []
+        self._slots: list[Slot] = []
+        self._data: list[Floats] = [np.zeros(0, np.float32)]
+        self._size = 0
+
+    def add_all(self, roots: Sequence[Node | None]) -> dict[str, Any]:
+        """Fields of the table, for materials in their order; None where one is compiled into the tiles."""
+        spans = [(0, 0, 0, 0) if root is None else self._material(root) for root in roots]
+        codes = [(-1 if s.texture is None else self._texture(s.texture), s.channel) for s in self._slots]
+        return {
+            "prepare": prepare.address if self._nodes else 0,
+            "spans": np.array(spans, np.int32).reshape(-1, 4),
+            "nodes": np.array(self._nodes, np.int64).reshape(-1, NODE_WORDS),
+            "slot_values": np.array([s.value for s in self._slots], np.float32).reshape(-1, 3),
+            "slot_codes": np.array(codes, np.int32).reshape(-1, 2),
+            "data": np.concatenate(self._data),
+        }
+
+    def _material(self, root: Node) -> tuple[int, int, int, int]:
+        first = len(self._slots)
+        number = self._add(root, first)
+        count = len(self._slots) - first
+        if count > MOST_SLOTS:
+            raise SceneError(f"a material mixes or coats too much: {count} parameters, of {MOST_SLOTS} at most")
+        return number, first, count, int(root.anisotropic)
+
+    def _add(self, node: Node, first: int) -> int:
+        own = len(self._slots) - first
+        self._slots += node.slots
+        children = [*(self._add(child, first) for child in node.children), 0, 0][:2]
+        addresses = [0 if entry is None else entry.address for entry in node.entries]
+        self._nodes.append([*addresses, own, self._size, *children, node.branches])
+        if node.data is not None:
+            self._data.append(node.data)
+            self._size += len(node.data)
+        return len(self._nodes) - 1
 
 
 def _lower_textures(images: tuple[Texture, ...]) -> Packed:

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TypeAlias
-
 import attrs
 
-from isophote.scene.colour import WHITE, Colour, ColourLike
+from isophote.scene.colour import WHITE, Colour
 from isophote.scene.colour import colour as as_colour
 from isophote.scene.fields import (
     as_flag,
@@ -19,6 +17,7 @@ from isophote.scene.fields import (
     optional,
     positive,
 )
+from isophote.scene.material_base import Material, colour_or_texture
 from isophote.scene.texture import Texture
 
 __all__ = ["Emitter", "Glass", "Material", "Matte", "Mirror", "Principled"]
@@ -29,29 +28,25 @@ _BLACK: Colour = (0.0, 0.0, 0.0)
 _texture = optional(instance_of("a Texture or None", Texture))
 
 
-def _colour_or_texture(value: ColourLike | Texture) -> Colour | Texture:
-    return value if isinstance(value, Texture) else as_colour(value)
-
-
 @attrs.frozen
-class Matte:
+class Matte(Material):
     """Scatters light evenly to all sides: Lambert's f = colour / π, on both faces of the surface.
 
     `colour` is the albedo, the reflected part of the light: a colour or a `Texture`.
     """
 
-    colour: Colour | Texture = attrs.field(default=_LIGHT_GREY, converter=_colour_or_texture)
+    colour: Colour | Texture = attrs.field(default=_LIGHT_GREY, converter=colour_or_texture)
 
 
 @attrs.frozen
-class Mirror:
+class Mirror(Material):
     """Reflects light in the mirror direction, on both faces, times `colour` at every angle."""
 
     colour: Colour = attrs.field(default=WHITE, converter=as_colour)
 
 
 @attrs.frozen
-class Glass:
+class Glass(Material):
     """A smooth boundary between air and a clear solid: Fresnel reflection and refraction by Snell's law.
 
     `ior` is the index of refraction inside the surface relative to outside, where inside is opposite the
@@ -63,7 +58,7 @@ class Glass:
 
 
 @attrs.frozen
-class Emitter:
+class Emitter(Material):
     """Shines with `radiance`, W/(m² sr) in each channel, evenly to all sides, and reflects nothing.
 
     It shines on the side of the normal; with `two_sided` on both.
@@ -74,7 +69,7 @@ class Emitter:
 
 
 @attrs.frozen
-class Principled:
+class Principled(Material):
     """Everything that glTF's metallic-roughness material says; drawn as `Matte` of its base colour.
 
     The base colour is `colour` times `colour_texture`, by channels; its fourth channel times `opacity` is
@@ -101,6 +96,3 @@ class Principled:
     occlusion_texture: Texture | None = attrs.field(default=None, validator=_texture)
     occlusion_strength: float = attrs.field(default=1.0, converter=as_number, validator=fraction)
     emission_texture: Texture | None = attrs.field(default=None, validator=_texture)
-
-
-Material: TypeAlias = Matte | Mirror | Glass | Emitter | Principled

@@ -13,7 +13,8 @@ from isophote.errors import SceneError
 from isophote.scene.camera import AnyCamera, Camera, OrthographicCamera
 from isophote.scene.fields import VectorLike, instance_of, optional
 from isophote.scene.light import AreaLight, Environment, Light, PointLight, Sky, SpotLight, Sun
-from isophote.scene.material import Emitter, Glass, Material, Matte, Mirror, Principled
+from isophote.scene.material import Matte
+from isophote.scene.material_base import Material
 from isophote.scene.transform import Axis, Transform
 
 __all__ = ["Item", "Scene", "Shape", "is_shape", "placed_box"]
@@ -22,9 +23,7 @@ Bounds: TypeAlias = npt.NDArray[np.float64]
 
 _name = optional(instance_of("a string or None", str))
 _camera = optional(instance_of("a Camera, an OrthographicCamera or None", Camera, OrthographicCamera))
-_material = instance_of(
-    "a material (Matte, Mirror, Glass, Emitter or Principled)", Matte, Mirror, Glass, Emitter, Principled
-)
+_material = instance_of("a material (Matte, Metal, Glass, Emitter, ...)", Material)
 _LIGHTS = (PointLight, SpotLight, Sun, AreaLight, Sky, Environment)
 
 

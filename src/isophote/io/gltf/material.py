@@ -16,7 +16,8 @@ from isophote.io.gltf.document import Document
 from isophote.io.gltf.field import Field
 from isophote.io.gltf.geometry import UvMap
 from isophote.io.texture_file import decode_picture
-from isophote.scene.material import Emitter, Glass, Material, Matte, Mirror, Principled
+from isophote.scene.material import Emitter, Glass, Matte, Mirror, Principled
+from isophote.scene.material_base import Material
 from isophote.scene.texture import Texture
 
 Pixels: TypeAlias = npt.NDArray[Any]

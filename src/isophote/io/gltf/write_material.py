@@ -14,8 +14,10 @@ from isophote.io.files import StrPath
 from isophote.io.gltf.build import Builder
 from isophote.io.gltf.material import MARK
 from isophote.io.texture_png import encode_texture, is_exact
-from isophote.scene.colour import Colour
-from isophote.scene.material import Emitter, Glass, Material, Matte, Mirror, Principled
+from isophote.scene.colour import WHITE, Colour
+from isophote.scene.material import Emitter, Glass, Matte, Mirror, Principled
+from isophote.scene.material_base import Material
+from isophote.scene.metal import Metal
 from isophote.scene.texture import Texture
 
 __all__ = ["MaterialWriter"]
@@ -120,11 +122,13 @@ class MaterialWriter:
         return encode_texture(texture, space)
 
 
-def _nearest(material: Matte | Mirror | Emitter) -> Principled:
+def _nearest(material: Material) -> Principled:
     if isinstance(material, Mirror):
         return Principled(material.colour, metallic=1.0, roughness=0.0)
     if isinstance(material, Emitter):
         return Principled(0.0, roughness=1.0, emission=material.radiance, two_sided=material.two_sided)
-    if isinstance(material.colour, Texture):
-        return Principled(1.0, roughness=1.0, colour_texture=material.colour, two_sided=True)
-    return Principled(material.colour, roughness=1.0, two_sided=True)
+    colour = material.colour if isinstance(material, Matte | Metal) else WHITE
+    metallic, rough = (1.0, 0.3) if isinstance(material, Metal) else (0.0, 1.0)
+    if isinstance(colour, Texture):
+        return Principled(1.0, metallic, rough, colour_texture=colour, two_sided=True)
+    return Principled(colour, metallic, rough, two_sided=True)

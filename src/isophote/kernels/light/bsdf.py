@@ -1,4 +1,6 @@
-"""How surfaces scatter light: one switch over the kinds of material.
+"""How surfaces scatter light: the kinds of material that are compiled into the tiles, and the table of all.
+
+All other kinds are LINKED: tiles call them by address (brdf/contract.py), so that they do not grow with their number.
 
 Directions are of the world: `out` leaves the surface towards where the path came from, `into` is where it goes on.
 """
@@ -10,20 +12,49 @@ import math
 import numpy as np
 
 from isophote.kernels.base.jit import device
-from isophote.kernels.base.table import FLOAT_ROWS, INTS, Table
+from isophote.kernels.base.table import FLOAT_ROWS, FLOATS, INT, INT_ROWS, INTS, LONG_ROWS, Table
 from isophote.kernels.base.vec import dot, orthonormal
 from isophote.kernels.base.warp import INV_PI
 
-__all__ = ["BLACK", "GLASS", "MATERIALS", "MATTE", "MIRROR", "fresnel_dielectric", "scatter_glass", "scatter_matte"]
+__all__ = [
+    "BLACK",
+    "GLASS",
+    "LINKED",
+    "MATERIALS",
+    "MATTE",
+    "MIRROR",
+    "fresnel_dielectric",
+    "scatter_glass",
+    "scatter_matte",
+]
 
-MATTE, MIRROR, GLASS, BLACK = 0, 1, 2, 3
+MATTE, MIRROR, GLASS, BLACK, LINKED = 0, 1, 2, 3, 4
 
 _ZERO, _HALF, _ONE = np.float32(0), np.float32(0.5), np.float32(1)
 
 
 # `kinds` (n,); `textures` (n,): the texture that multiplies the colour, or −1; `values` (n, 8): colour, emitted
-# radiance, index of refraction, 1 where both sides emit.
-MATERIALS = Table("Materials", kinds=INTS, textures=INTS, values=FLOAT_ROWS)
+# radiance, index of refraction, 1 where both sides emit. `scatters` (n,): 1 where light from any direction is scattered
+# to others, so that lights can be aimed at; `branches` (n,): the number of single directions that light is sent to.
+#
+# Of LINKED kinds: `prepare`, the entry of trace/prepare.py; `spans` (n, 4): root node, first slot, number of slots, 1
+# where the tangent matters; `nodes` (m, 8) as in brdf/contract.py; `slot_values` (k, 3) and `slot_codes` (k, 2): a
+# parameter's value and the texture that multiplies it, or −1, with the channel that counts, or −1 for all three;
+# `data`: numbers of whatever kind, such as tables of measured reflectance.
+MATERIALS = Table(
+    "Materials",
+    kinds=INTS,
+    textures=INTS,
+    values=FLOAT_ROWS,
+    scatters=INTS,
+    branches=INTS,
+    prepare=INT,
+    spans=INT_ROWS,
+    nodes=LONG_ROWS,
+    slot_values=FLOAT_ROWS,
+    slot_codes=INT_ROWS,
+    data=FLOATS,
+)
 
 
 @device

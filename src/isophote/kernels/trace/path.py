@@ -18,7 +18,7 @@ from isophote.kernels.accel.surface import MATERIAL, offset_point, triangle_ligh
 from isophote.kernels.base.jit import device, kernel
 from isophote.kernels.base.vec import dot, maximum_component, vec3
 from isophote.kernels.base.warp import INV_PI, to_disk
-from isophote.kernels.light.bsdf import BLACK, MATTE, MIRROR, scatter_matte
+from isophote.kernels.light.bsdf import BLACK, LINKED, MATTE, MIRROR, scatter_matte
 from isophote.kernels.light.emitter import (
     lamp_radiance,
     light_density,
@@ -29,6 +29,7 @@ from isophote.kernels.light.environment import environment_density, environment_
 from isophote.kernels.trace import wave as rows
 from isophote.kernels.trace.batch import LAMP, trace_rays, trace_shadow_rays
 from isophote.kernels.trace.direct import is_surface, surface_of
+from isophote.kernels.trace.material import evaluate_linked, prepare_linked, sample_linked
 from isophote.kernels.trace.samples import FIRST, Tile, develop, draw, start_paths
 from isophote.kernels.trace.shading import mirror_ray, scatter_glass_ray, seen_normal, surface_colour, surface_emission
 from isophote.kernels.trace.tables import FILM, PLAN, SCENE
@@ -53,8 +54,8 @@ _PICK, _LIGHT, _SCATTER, _PER_RAY = np.int64(0), np.int64(1), np.int64(2), np.in
 
 @device
 def _draw_step(plan, wave, count, depth):
-    """Sample numbers of one step for every path: PICK_U picks a light or one of glass's two rays, PICK_V ends paths,
-    LIGHT is a place on the light, SCATTER a point of the unit disk."""
+    """Sample numbers of one step for every path: PICK_U picks a light and one of several lobes or rays, PICK_V ends
+    paths, LIGHT is a place on the light, SCATTER a point of the unit disk."""
     first = FIRST + _PER_RAY * (depth - 1)
     draw(plan, wave, count, first + _PICK, rows.PICK_U)
     draw(plan, wave, count, first + _LIGHT, rows.LIGHT_U)
@@ -112,8 +113,19 @@ def _emitted(tables, surface, origin, direction, scattered):
 
 
 @device
-def _aim(tables, wave, i, at, surface, shading, out, colour, carried):
-    """Aim at a light from a matte surface; the shadow ray goes to wave column `at`. Returns how many were made."""
+def _towards_light(tables, wave, kind, surface, shading, out, colour, direction):
+    """(f cosθ, density of scattering) towards a light; below 0 where a matte surface is not seen from there."""
+    if kind == LINKED:
+        return evaluate_linked(tables, surface, direction, wave.scratch)
+    density = dot(shading, direction) * INV_PI
+    # Light must come from the side that is looked at, by the true normal too.
+    seen = dot(surface.normal, direction) * dot(surface.normal, out) > _ZERO
+    return colour * (density if seen else -_ONE), density
+
+
+@device
+def _aim(tables, wave, i, at, kind, surface, shading, out, colour, carried):
+    """Aim at a light; the shadow ray goes to wave column `at`. Returns how many were made."""
     lights = tables.lights
     if lights.kinds.rows == 0:
         return 0
@@ -121,13 +133,11 @@ def _aim(tables, wave, i, at, surface, shading, out, colour, carried):
     k, chance, _ = pick_light(lights, floats[rows.PICK_U, i])
     sample = sample_light(lights, k, surface.place, floats[rows.LIGHT_U, i], floats[rows.LIGHT_V, i])
     direction = vec3(sample.x, sample.y, sample.z)
-    cosine = dot(shading, direction)
-    # Light must come from the side that is looked at, by the true normal too.
-    seen = (cosine > _ZERO) & (dot(surface.normal, direction) * dot(surface.normal, out) > _ZERO)
+    value, q = _towards_light(tables, wave, kind, surface, shading, out, colour, direction)
     # w / p for the power heuristic's w = p² / (p² + q²) is p / (p² + q²).
-    p, q = chance * sample.density, cosine * INV_PI
-    weight = q * p / (p * p + q * q) if p > _ZERO else q / chance
-    light = carried * colour * vec3(sample.red, sample.green, sample.blue) * weight
+    p = chance * sample.density
+    weight = p / (p * p + q * q) if p > _ZERO else _ONE / chance
+    light = carried * value * vec3(sample.red, sample.green, sample.blue) * weight
     start = offset_point(surface.place, surface.normal, surface.error, direction)
     # The light's place seen from the moved start, so that the ray still ends on it, at t = 1.
     far = sample.distance == _FAR
@@ -138,7 +148,7 @@ def _aim(tables, wave, i, at, surface, shading, out, colour, carried):
     set_row_vec3(floats, rows.SHADOW_LIGHT, at, light)
     floats[rows.SHADOW_END, at] = _FAR if far else _SHADOW_END
     wave.ints[rows.SHADOW_OWNER, at] = wave.ints[rows.OWNER, i]
-    return np.int64(seen & (sample.density >= _ZERO) & (maximum_component(light) > _ZERO))
+    return np.int64((sample.density >= _ZERO) & (maximum_component(light) > _ZERO))
 
 
 @device
@@ -208,10 +218,17 @@ def _shade(tables, plan, wave, count, depth):
         if kind == MATTE:
             shading = seen_normal(surface, direction)
             shading = shading if dot(direction, shading) < _ZERO else -shading
-            shadows += _aim(tables, wave, i, shadows, surface, shading, -direction, colour, carried)
+            shadows += _aim(tables, wave, i, shadows, kind, surface, shading, -direction, colour, carried)
             into, density = scatter_matte(shading, floats[rows.SCATTER_U, i], floats[rows.SCATTER_V, i])
             if dot(into, surface.normal) * dot(direction, surface.normal) < _ZERO:
                 alive += _go_on(worth, plan, wave, depth, i, alive, surface, into, carried * colour, density)
+        elif kind == LINKED:
+            prepare_linked(tables, surface, hit, direction, wave.scratch)
+            if tables.materials.scatters[material] != 0:
+                shadows += _aim(tables, wave, i, shadows, kind, surface, direction, direction, colour, carried)
+            x, y = floats[rows.SCATTER_U, i], floats[rows.SCATTER_V, i]
+            into, weight, density = sample_linked(tables, surface, x, y, floats[rows.PICK_U, i], wave.scratch)
+            alive += _go_on(worth, plan, wave, depth, i, alive, surface, into, carried * weight, density)
         elif kind == MIRROR:
             into = mirror_ray(surface, direction)
             alive += _go_on(worth, plan, wave, depth, i, alive, surface, into, carried * colour, _ZERO)

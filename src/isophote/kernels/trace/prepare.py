@@ -1,0 +1,118 @@
+"""What a material's entries are given: the frame of the surface and its parameters, with textures looked up.
+
+An entry itself, so that tiles hold no look-up but that of the colours of matte surfaces.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from isophote.kernels.accel.geometry import affine_vector
+from isophote.kernels.accel.layout import BLOCK, LANES
+from isophote.kernels.accel.surface import UVS
+from isophote.kernels.base.entry import entry, floats_at, opener_at
+from isophote.kernels.base.jit import device
+from isophote.kernels.base.simd import load_int
+from isophote.kernels.base.vec import cross, dot, load_vec3, normalise, orthonormal, store_vec3, vec3
+from isophote.kernels.brdf import contract
+from isophote.kernels.light.texture import look_up
+from isophote.kernels.trace.tables import SCENE
+
+__all__ = ["prepare", "slot_value"]
+
+_ZERO, _ONE = np.float32(0), np.float32(1)
+_WORDS = np.int64(contract.WORDS)
+# Columns of `Materials.spans`.
+_ROOT, _FIRST, _COUNT, _TANGENT = np.int64(0), np.int64(1), np.int64(2), np.int64(3)
+
+_scene_at = opener_at(SCENE)
+
+
+@device
+def slot_value(scene, slot, scratch):
+    """Value of a material's slot at the surface in the scratch, texture included."""
+    materials = scene.materials
+    value = vec3(materials.slot_values[slot, 0], materials.slot_values[slot, 1], materials.slot_values[slot, 2])
+    texture = np.int64(materials.slot_codes[slot, 0])
+    if texture < 0:
+        return value
+    texel = look_up(scene.textures, texture, scratch[contract.U], scratch[contract.V])
+    channel = materials.slot_codes[slot, 1]
+    if channel >= 0:
+        one = texel.x if channel == 0 else (texel.y if channel == 1 else texel.z)
+        texel = vec3(one, one, one)
+    return value * texel
+
+
+@device
+def _corner(blocks, at, k):
+    at += 3 * LANES * k
+    return vec3(blocks[at], blocks[at + LANES], blocks[at + 2 * LANES])
+
+
+@device
+def _along_u(scene, scratch):
+    """∂P/∂u of the triangle that was hit, zero where texture coordinates do not tell."""
+    geometry, surfaces = scene.geometry, scene.surfaces
+    slot = np.int64(load_int(scratch, contract.HIT_SLOT))
+    nowhere = vec3(_ZERO, _ZERO, _ZERO)
+    if slot < 0:
+        return nowhere
+    at = slot // LANES * BLOCK + slot % LANES
+    blocks = geometry.blocks
+    a = _corner(blocks, at, 0)
+    edge1, edge2 = _corner(blocks, at, 1) - a, _corner(blocks, at, 2) - a
+    instance = np.int64(load_int(scratch, contract.HIT_INSTANCE))
+    if geometry.identity[instance] == 0:
+        edge1 = affine_vector(geometry.to_world, instance, edge1)
+        edge2 = affine_vector(geometry.to_world, instance, edge2)
+    first = surfaces.items[np.int64(load_int(scratch, contract.ITEM)), UVS]
+    if first < 0:
+        return edge1
+    row = first + np.int64(load_int(scratch, contract.TRIANGLE))
+    p, q, r = surfaces.uv_corners[row, 0], surfaces.uv_corners[row, 1], surfaces.uv_corners[row, 2]
+    uvs = surfaces.uvs
+    u1, v1 = uvs[q, 0] - uvs[p, 0], uvs[q, 1] - uvs[p, 1]
+    u2, v2 = uvs[r, 0] - uvs[p, 0], uvs[r, 1] - uvs[p, 1]
+    area = u1 * v2 - u2 * v1
+    if area == _ZERO:
+        return nowhere
+    along = edge1 * v2 - edge2 * v1
+    return along if area > _ZERO else -along
+
+
+@device
+def _write_frame(scene, material, scratch):
+    """The frame: z the shading normal on the side that is looked from, unless it and the true one disagree."""
+    direction = load_vec3(scratch, contract.DIRECTION)
+    true, shading = load_vec3(scratch, contract.OUTWARD), load_vec3(scratch, contract.SHADING)
+    outside = dot(direction, true) < _ZERO
+    side = _ONE if outside else -_ONE
+    normal = (shading if (dot(direction, shading) < _ZERO) == outside else true) * side
+    tangent, bitangent = orthonormal(normal)
+    if scene.materials.spans[material, _TANGENT] != 0:
+        along = _along_u(scene, scratch)
+        along = along - normal * dot(along, normal)
+        size2 = dot(along, along)
+        if size2 > _ZERO:
+            tangent = normalise(along)
+            bitangent = cross(normal, tangent)
+    store_vec3(scratch, contract.TANGENT, tangent)
+    store_vec3(scratch, contract.BITANGENT, bitangent)
+    store_vec3(scratch, contract.NORMAL, normal)
+    store_vec3(scratch, contract.TRUE_NORMAL, true * side)
+    scratch[contract.SIDE] = side
+    out = vec3(-dot(direction, tangent), -dot(direction, bitangent), -dot(direction, normal))
+    store_vec3(scratch, contract.OUT, out)
+
+
+@entry
+def prepare(scene_words, scratch_address):
+    """Write frame, `out` and parameters of the surface in the scratch."""
+    scene, scratch = _scene_at(scene_words), floats_at(scratch_address, _WORDS)
+    material = np.int64(load_int(scratch, contract.MATERIAL))
+    _write_frame(scene, material, scratch)
+    first = np.int64(scene.materials.spans[material, _FIRST])
+    for k in range(scene.materials.spans[material, _COUNT]):
+        store_vec3(scratch, contract.PARAMETERS + 3 * k, slot_value(scene, first + k, scratch))
+    return 0
