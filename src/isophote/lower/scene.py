@@ -31,9 +31,7 @@ __all__ = ["lower_scene"]
 _latest = Latest()
 
 
-def lower_scene(
-    scene: Scene, size: tuple[int, int], threads: int | None = None, accelerator: str = "bvh"
-) -> Packed:
+def lower_scene(scene: Scene, size: tuple[int, int], threads: int | None = None, accelerator: str = "bvh") -> Packed:
     """The tables of `scene` for a picture of `size` (width, height), with the accelerator of a name.
 
     Items are numbered as they stand in the scene; area lights go on from there, in their order among the lights. Tables
