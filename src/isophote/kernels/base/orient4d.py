@@ -10,7 +10,8 @@ from isophote.kernels.base.predicates import INSPHERE_BOUND
 
 __all__ = ["orient4d"]
 
-_UNDERFLOW = 2.0**-1050
+# As in `predicates`.
+_UNDERFLOW = 2.0**-1022
 _FOUR = np.int64(4)
 _FLAT = np.bool_(False)
 

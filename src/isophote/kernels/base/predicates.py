@@ -51,8 +51,9 @@ _PAIR_ORIENT2D_BOUND = 2.0**-101
 _PAIR_ORIENT3D_BOUND = 2.0**-100
 _PAIR_INCIRCLE_BOUND = 2.0**-99
 _PAIR_INSPHERE_BOUND = 2.0**-98
-# What underflow adds, for each unit of what the underflowing product is multiplied by afterwards.
-_UNDERFLOW = 2.0**-1050
+# What underflow adds, for each unit of what the underflowing product is multiplied by afterwards. It adds far less, but
+# processors take long over numbers too small to be normal, and this is the least that is.
+_UNDERFLOW = 2.0**-1022
 
 _TWO = np.int64(2)
 _THREE = np.int64(3)
