@@ -288,27 +288,8 @@ def same_mean(a: iso.Image, b: iso.Image) -> bool:
 
 
 def test_patterns_have_the_same_mean():
-    images = [room(samples=256, pattern=name) for name in ("sobol", "jittered", "independent")]
-    assert same_mean(images[0], images[1])
-    assert same_mean(images[0], images[2])
-
-
-def test_filters_have_the_same_mean():
-    """Of a floor that is the same everywhere; and a step's blur is as wide as the filter."""
-    for name in ("box", "tent", "gaussian"):
-        image = render([FLOOR], [WHITE_SKY], SPOT, samples=16, filter=name, max_depth=2)
-        assert np.allclose(mean(image), RHO, rtol=1e-5)
-    edge = iso.Item(plane(2), iso.Emitter((1, 1, 1))).translate((-1, 0, 0))
-    camera = iso.OrthographicCamera((0, 3, 0), (0, 0, 0), up=(0, 0, -1), height=1)
-    for name in ("box", "tent", "gaussian"):
-        image = render([edge], (), camera, size=(9, 9), samples=4096, filter=name)
-        profile = image.channels["colour"][..., 0].astype(np.float64).mean(axis=0)
-        # The step lies in the middle of pixel 4: what a pixel sees is the share of its filter beyond the step.
-        x = np.arange(9) - 4
-        if name == "box":
-            wanted = np.clip(0.5 - x, 0, 1)
-        elif name == "tent":
-            wanted = np.where(x < 0, 1 - np.clip(1 + x, 0, 1) ** 2 / 2, np.clip(1 - x, 0, 1) ** 2 / 2)
-        else:
-            wanted = np.array([0.5 * math.erfc(v * math.sqrt(2)) for v in x])
-        assert np.abs(profile - wanted).max() < 2e-3
+    """ "regular" is left out: its middles of cells have an error of their own."""
+    names = ("blue-noise", "sobol", "jittered", "independent")
+    first, *others = (room(samples=256, pattern=name) for name in names)
+    for other in others:
+        assert same_mean(first, other)

@@ -32,8 +32,9 @@ _COUNTS = {
     "item": 1,
     "primitive": 1,
     "variance": 3,
+    "samples": 1,
 }
-_NUMBERS = ("item", "primitive")
+_NUMBERS = ("item", "primitive", "samples")
 _INT32 = np.iinfo(np.int32)
 
 
@@ -92,8 +93,8 @@ class Image:
     "colour" is always there, (h, w, 3) float32, linear Rec. 709, row 0 at the top. Others are there where the
     method gives them: "depth" along the viewing axis and "distance" along the ray, (h, w), in metres, infinite
     where nothing is hit; "normal" (h, w, 3), "albedo" (h, w, 3), "uv" (h, w, 2); "item" and "primitive", (h, w)
-    int32, exact, -1 where nothing is hit; "variance" of the colour's mean, (h, w, 3); and any further (h, w) or
-    (h, w, 1 to 4). Floats are float32; arrays are read-only.
+    int32, exact, -1 where nothing is hit; "variance" of the colour's mean, (h, w, 3); "samples", (h, w) int32, how many
+    there are in the pixel; and any further (h, w) or (h, w, 1 to 4). Floats are float32; arrays are read-only.
 
     Raises `RenderError` for a missing colour, shapes that do not fit, and pictures without pixels.
     """

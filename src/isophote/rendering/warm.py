@@ -53,7 +53,7 @@ def _path_tracer() -> None:
 
     # A tile without pixels needs no tables.
     words = (_words(table) for table in (tables.SCENE, tables.PLAN, tables.FILM))
-    path.path_trace_tile(*words, wave.new_wave(1).words, 0, 0, 0, 0, 0, 0)
+    path.path_trace_tile(*words, wave.new_wave(1).words, 0, 0, 0, 0)
 
 
 def _sphere_tracer() -> None:

@@ -5,10 +5,16 @@ padded, that is, shuffled against each other.
 
     INDEPENDENT   every point by itself
     JITTERED      one point in each cell of a grid of about √n × √n cells
+    REGULAR       the middles of those cells
     SOBOL         Owen-scrambled Sobol points: any 2^k consecutive ones fill the square evenly at every scale
                   (Burley: "Practical Hash-based Owen Scrambling", JCGT 10(4), 2020)
+    BLUE_NOISE    one Owen-scrambled Sobol sequence for all pixels, dealt out along a shuffled Morton curve: pixels
+                  side by side share out a well-spread set, so that their errors cancel from near, and noise is blue
+                  (Ahmed, Wonka: "Screen-Space Blue-Noise Diffusion of Monte Carlo Sampling Error via Hierarchical
+                  Ordering of Pixels", SIGGRAPH Asia 2020)
 
-The loops are over plain arrays, so that the compiler does eight at a time.
+Pixels are numbered by `pixel_number`, so that pixels of near numbers are near. The loops are over plain arrays, so that
+the compiler does eight at a time.
 """
 
 from __future__ import annotations
@@ -18,14 +24,18 @@ import numpy as np
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.random import combine, mix, owen, permute, reverse_bits, sobol_1, unit_float
 
-__all__ = ["INDEPENDENT", "JITTERED", "SOBOL", "draw_pairs", "pair"]
+__all__ = ["BLUE_NOISE", "INDEPENDENT", "JITTERED", "REGULAR", "SOBOL", "draw_pairs", "pair", "pixel_number"]
 
 INDEPENDENT = 0
 JITTERED = 1
 SOBOL = 2
+REGULAR = 3
+BLUE_NOISE = 4
 
 _U = np.uint32
+_HALF = np.float32(0.5)
 _ONE_BELOW = np.float32(1 - 2.0**-24)
+_EVEN_BITS = _U(0x55555555)
 
 
 @device
@@ -35,51 +45,136 @@ def _independent_pair(key, sample):
 
 
 @device
-def _sobol_pair(key, sample):
-    index = reverse_bits(owen(reverse_bits(sample), key))
+def _spread(a):
+    """The low 16 bits of `a` with a zero above each."""
+    a = _U(a & _U(0xFFFF))
+    a = _U((a | (a << _U(8))) & _U(0x00FF00FF))
+    a = _U((a | (a << _U(4))) & _U(0x0F0F0F0F))
+    a = _U((a | (a << _U(2))) & _U(0x33333333))
+    return _U((a | (a << _U(1))) & _EVEN_BITS)
+
+
+@device
+def pixel_number(x, y):
+    """Number of a pixel along Morton's curve, in 32 bits: beyond 65,536 pixels patterns come again."""
+    return _U(_spread(_U(x)) | (_spread(_U(y)) << _U(1)))
+
+
+@device
+def _sobol_point(index, key):
+    """Point of an Owen-scrambled Sobol sequence, whose order is shuffled too; `index` has its bits in reverse order."""
+    index = reverse_bits(owen(index, key))
     u = reverse_bits(owen(index, mix(_U(key ^ _U(0xA511E9B3)))))
     v = reverse_bits(owen(sobol_1(index), mix(_U(key ^ _U(0x63D83595)))))
     return unit_float(u), unit_float(v)
 
 
 @device
-def _jittered_pair(key, sample, count):
-    """Cell `permute(sample)` of a columns × rows grid with columns · rows ≥ count, jittered inside."""
+def _sobol_pair(key, sample):
+    return _sobol_point(reverse_bits(sample), key)
+
+
+@device
+def _turned(number, key):
+    """A pixel's number by another curve: at every scale rows, columns or diagonals of four squares come together.
+
+    With the flips of Owen's scramble, which follows, all 24 orders of the four are possible.
+    """
+    a, b = mix(_U(key ^ _U(0x1B56C4E9))), mix(_U(key ^ _U(0x3C6EF372)))
+    swaps = _U(a & _U(b | (b >> _U(1))) & _EVEN_BITS)
+    x, y = _U(number & _EVEN_BITS), _U((number >> _U(1)) & _EVEN_BITS)
+    y = _U(y ^ (x & (a >> _U(1))))
+    changes = _U((x ^ y) & swaps)
+    return _U(_U((y ^ changes) << _U(1)) | _U(x ^ changes))
+
+
+@device
+def _bits_of(count):
+    """Bits of the number of a sample out of `count`."""
+    bits = np.int64(0)
+    while (np.int64(1) << bits) < np.int64(count):
+        bits += 1
+    return _U(bits)
+
+
+@device
+def _blue_noise_pair(key, pixel, sample, bits):
+    """Each pixel takes 2^`bits` points in a row. The 32 bits of a place in the sequence are enough for a square of
+    2^(32 − bits) pixels; other squares, and samples beyond 2^bits, have sequences of their own."""
+    turn = _U(_U(_U(sample >> _U(1)) >> _U(bits - _U(1))) if bits > _U(0) else sample)
+    square = _U(_U(pixel >> _U(1)) >> _U(_U(31) - bits))
+    key = _U(key ^ mix(_U(square ^ _U(turn * _U(0x9E3779B1)))))
+    index = _U(_U(_turned(pixel, key) << bits) | _U(sample & _U(_U(_U(1) << bits) - _U(1))))
+    return _sobol_point(reverse_bits(index), key)
+
+
+@device
+def _cell(key, sample, count):
+    """(column, row, columns, rows): cell `permute(sample)` of a grid with columns · rows ≥ count."""
     columns = _U(np.ceil(np.sqrt(np.float64(count))))
     rows = _U((count + columns - _U(1)) // columns)
     block = _U(columns * rows)
     turn = _U(sample // block)
     cell = permute(_U(sample % block), block, combine(key, turn))
+    return _U(cell % columns), _U(cell // columns), columns, rows
+
+
+@device
+def _within(cell, offset, cells):
+    return min((np.float32(np.int32(cell)) + offset) / np.float32(np.int32(cells)), _ONE_BELOW)
+
+
+@device
+def _jittered_pair(key, sample, count):
+    column, row, columns, rows = _cell(key, sample, count)
     u, v = _independent_pair(_U(key ^ _U(0x02E5BE93)), sample)
-    x = (np.float32(np.int32(_U(cell % columns))) + u) / np.float32(np.int32(columns))
-    y = (np.float32(np.int32(_U(cell // columns))) + v) / np.float32(np.int32(rows))
-    return min(x, _ONE_BELOW), min(y, _ONE_BELOW)
+    return _within(column, u, columns), _within(row, v, rows)
+
+
+@device
+def _regular_pair(key, sample, count):
+    column, row, columns, rows = _cell(key, sample, count)
+    return _within(column, _HALF, columns), _within(row, _HALF, rows)
+
+
+@device
+def _key(seed, pixel, dimension):
+    return combine(combine(seed, pixel), dimension)
 
 
 @device
 def pair(pattern, seed, pixel, sample, count, dimension):
     """The two numbers of one (pixel, sample, dimension); `count` is the number of samples planned for a pixel."""
-    key = combine(combine(_U(seed), _U(pixel)), _U(dimension))
+    seed, pixel, sample, dimension = _U(seed), _U(pixel), _U(sample), _U(dimension)
+    if pattern == BLUE_NOISE:
+        return _blue_noise_pair(combine(seed, dimension), pixel, sample, _bits_of(count))
+    key = _key(seed, pixel, dimension)
     if pattern == SOBOL:
-        return _sobol_pair(key, _U(sample))
+        return _sobol_pair(key, sample)
     if pattern == JITTERED:
-        return _jittered_pair(key, _U(sample), _U(count))
-    return _independent_pair(key, _U(sample))
+        return _jittered_pair(key, sample, _U(count))
+    if pattern == REGULAR:
+        return _regular_pair(key, sample, _U(count))
+    return _independent_pair(key, sample)
 
 
 @device
 def draw_pairs(pattern, seed, pixels, samples, count, dimension, n, out_u, out_v):
     """`pair` for the first `n` of the (pixel, sample) given, into `out_u` and `out_v`."""
     seed, dimension, count = _U(seed), _U(dimension), _U(count)
-    if pattern == SOBOL:
+    if pattern == BLUE_NOISE:
+        key, bits = combine(seed, dimension), _bits_of(count)
         for i in range(n):
-            key = combine(combine(seed, pixels[i]), dimension)
-            out_u[i], out_v[i] = _sobol_pair(key, samples[i])
+            out_u[i], out_v[i] = _blue_noise_pair(key, pixels[i], samples[i], bits)
+    elif pattern == SOBOL:
+        for i in range(n):
+            out_u[i], out_v[i] = _sobol_pair(_key(seed, pixels[i], dimension), samples[i])
     elif pattern == JITTERED:
         for i in range(n):
-            key = combine(combine(seed, pixels[i]), dimension)
-            out_u[i], out_v[i] = _jittered_pair(key, samples[i], count)
+            out_u[i], out_v[i] = _jittered_pair(_key(seed, pixels[i], dimension), samples[i], count)
+    elif pattern == REGULAR:
+        for i in range(n):
+            out_u[i], out_v[i] = _regular_pair(_key(seed, pixels[i], dimension), samples[i], count)
     else:
         for i in range(n):
-            key = combine(combine(seed, pixels[i]), dimension)
-            out_u[i], out_v[i] = _independent_pair(key, samples[i])
+            out_u[i], out_v[i] = _independent_pair(_key(seed, pixels[i], dimension), samples[i])

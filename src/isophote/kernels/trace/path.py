@@ -240,16 +240,13 @@ def _shade(tables, plan, wave, count, depth):
 
 
 @kernel
-def path_trace_tile(scene_words, plan_words, film_words, wave_words, x0, x1, y0, y1, first_sample, last_sample):
-    """Path-trace samples `first_sample` ≤ s < `last_sample` of the pixels x0 ≤ x < x1, y0 ≤ y < y1 onto the film."""
+def path_trace_tile(scene_words, plan_words, film_words, wave_words, x0, x1, y0, y1):
+    """Path-trace the samples that the pixels x0 ≤ x < x1, y0 ≤ y < y1 are short of, onto the film."""
     tables, plan = open_scene(scene_words), open_plan(plan_words)
     film, wave = open_film(film_words), open_wave(wave_words)
-    tile = Tile(x0, x1, y0, y1, first_sample, last_sample)
-    paths = (tile.x1 - tile.x0) * (tile.y1 - tile.y0) * (tile.last - tile.first)
-    size = wave.floats.columns
-    for first in range(0, paths, size):
-        count = min(size, paths - first)
-        start_paths(tables, plan, tile, first, count, wave)
+    tile = Tile(x0, x1, y0, y1)
+    count, place = start_paths(tables, plan, film, tile, np.int64(0), wave)
+    while count > 0:
         alive = count
         for depth in range(1, plan.max_depth + 1):
             # Rays of one pixel leave the camera together; later ones go every way.
@@ -259,4 +256,5 @@ def path_trace_tile(scene_words, plan_words, film_words, wave_words, x0, x1, y0,
             trace_shadow_rays(tables, wave, shadows, depth == 1)
             if alive == 0:
                 break
-        develop(plan, tile, first, count, wave, film)
+        develop(plan, count, wave, film)
+        count, place = start_paths(tables, plan, film, tile, place, wave)

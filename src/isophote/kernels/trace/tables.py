@@ -5,7 +5,7 @@ from __future__ import annotations
 from isophote.kernels.accel.field_layout import FIELDS
 from isophote.kernels.accel.geometry import GEOMETRY
 from isophote.kernels.accel.surface import SURFACES
-from isophote.kernels.base.table import DOUBLE_BOXES, FLOAT_ROWS, INT, LONG_ROWS, Table
+from isophote.kernels.base.table import DOUBLE_BOXES, FLOAT_ROWS, FLOATS, INT, LONGS, Table
 from isophote.kernels.light.bsdf import MATERIALS
 from isophote.kernels.light.emitter import LIGHTS
 from isophote.kernels.light.texture import TEXTURES
@@ -35,10 +35,12 @@ PLAN = Table(
     samples=INT,
     seed=INT,
     pattern=INT,
-    filter=INT,
+    offsets=FLOATS,
+    crossings=FLOATS,
     max_depth=INT,
     roulette_depth=INT,
 )
 
-# Sums over the samples of each pixel: `total`, `squares` (height, width · 3), `count` (height, width).
-FILM = Table("Film", total=DOUBLE_BOXES, squares=DOUBLE_BOXES, count=LONG_ROWS)
+# Sums over the samples of each pixel, row by row: `total`, `squares` (pixels, 3), `count` (pixels,), and as much again
+# for the samples where the filter is negative, if it ever is. `target` (pixels,): how many samples a pixel shall have.
+FILM = Table("Film", total=DOUBLE_BOXES, squares=DOUBLE_BOXES, count=LONGS, target=LONGS)

@@ -33,10 +33,10 @@ DENSITY, SHADOW_END, HIT_T, HIT_W1, HIT_W2 = 21, 22, 23, 24, 25
 PICK_U, PICK_V, LIGHT_U, LIGHT_V, SCATTER_U, SCATTER_V = 26, 27, 28, 29, 30, 31
 FLOAT_COUNT = 32
 
-# Unsigned rows: pixel, sample, column of the path at the wave's start, the same for its shadow ray, and whether that
-# is blocked.
-PIXEL, SAMPLE, OWNER, SHADOW_OWNER, BLOCKED = 0, 1, 2, 3, 4
-INT_COUNT = 5
+# Unsigned rows: the pixel's number for sampling, sample, column of the path at the wave's start, the same for its
+# shadow ray, whether that is blocked, and the place on the film of the path that began in this column.
+PIXEL, SAMPLE, OWNER, SHADOW_OWNER, BLOCKED, PLACE = 0, 1, 2, 3, 4, 5
+INT_COUNT = 6
 
 # Long rows: slot and instance of the hit, order in which packets take rays.
 HIT_SLOT, HIT_INSTANCE, ORDER = 0, 1, 2
