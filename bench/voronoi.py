@@ -41,14 +41,14 @@ def main(arguments: Sequence[str] | None = None) -> None:
     print_machine("triangle", "scipy")
     points = np.random.default_rng(0).random((options.points, 2))
     sides = {
-        "sweep": lambda: iso.analysis.voronoi(points),
-        "dual": lambda: iso.analysis.voronoi(points, method="dual"),
+        "dual": lambda: iso.analysis.voronoi(points),
+        "sweep": lambda: iso.analysis.voronoi(points, method="sweep"),
         "triangle": lambda: triangle.voronoi(points),
         "scipy": lambda: Voronoi(points),
     }
     times = in_turns(sides, options.rounds)
     rows: list[list[object]] = []
-    for ours in ("sweep", "dual"):
+    for ours in ("dual", "sweep"):
         for theirs, goal in (("triangle", TRIANGLE_GOAL), ("scipy", SCIPY_GOAL)):
             ratio = Ratio.of(times[ours], times[theirs])
             seconds = [times[side].wall.min() for side in (ours, theirs)]

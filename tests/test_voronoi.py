@@ -1,4 +1,4 @@
-"""Voronoi diagrams by Fortune's sweep: against the Delaunay triangulation, brute force, closed forms; any input."""
+"""Voronoi diagrams by both methods: against each other, Delaunay triangulations, brute force, closed forms."""
 
 from __future__ import annotations
 
@@ -26,8 +26,9 @@ def edge_names(v: Voronoi) -> set[tuple[int, int]]:
 
 def agrees_with_the_dual(points: np.ndarray, everywhere: bool = True) -> Voronoi:
     """A sweep gives a Delaunay triangulation, and the same diagram as dividing and conquering."""
-    swept, divided = voronoi(points), voronoi(points, method="dual")
-    is_valid(swept.delaunay(), points, everywhere)
+    swept, divided = voronoi(points, method="sweep"), voronoi(points)
+    for found in (swept, divided):
+        is_valid(found.delaunay(), points, everywhere)
     np.testing.assert_array_equal(swept.representative, divided.representative)
     assert edge_names(swept) == edge_names(divided)
     assert len(swept.edges) == len(edge_names(swept))
@@ -114,6 +115,22 @@ def test_a_replay_shows_what_the_sweep_knows() -> None:
         np.testing.assert_allclose(event.beach(event.breakpoints[near, 0]), event.breakpoints[near, 1], atol=1e-6)
     assert drawn == edge_names(v)
     np.testing.assert_allclose(np.sort(vertices, axis=0), np.sort(v.vertices, axis=0))
+
+
+@pytest.mark.parametrize("scale", [1.0, 1e-200, 1e200])
+def test_both_methods_tell_the_same_edges(scale: float) -> None:
+    """Between the same vertices, with the same sites to the left and to the right; or all turned round."""
+    points = np.random.default_rng(7).random((3000, 2)) * scale
+    found = []
+    for method in ("dual", "sweep"):
+        v = voronoi(points, method=method)
+        turned = (v.edge_sites[:, 0] > v.edge_sites[:, 1]) & (v.edges[:, 1] >= 0)
+        sites, ends = v.edge_sites.copy(), np.where(v.edges[..., None] >= 0, v.vertices[v.edges], np.inf)
+        sites[turned], ends[turned] = sites[turned, ::-1], ends[turned, ::-1]
+        order = np.lexsort(sites.T)
+        found.append((sites[order], ends[order]))
+    np.testing.assert_array_equal(found[0][0], found[1][0])
+    np.testing.assert_allclose(found[0][1], found[1][1], rtol=1e-9, atol=1e-9 * scale)
 
 
 def test_vertices_are_equally_near_to_their_sites_and_to_none_nearer() -> None:
@@ -228,12 +245,13 @@ def test_lloyd_makes_cells_alike() -> None:
     np.testing.assert_allclose(two.cells.areas, 0.5, atol=1e-9)
 
 
-def test_the_number_of_processors_changes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("method", ["dual", "sweep"])
+def test_the_number_of_processors_changes_nothing(monkeypatch: pytest.MonkeyPatch, method: str) -> None:
     points = np.random.default_rng(2).random((70_000, 2))
     found = []
     for count in (1, 3):
         monkeypatch.setattr("isophote.analysis.crew.processors", lambda count=count: count)
-        found.append(voronoi(points))
+        found.append(voronoi(points, method=method))
     for name in ("vertices", "edges", "edge_sites", "directions"):
         np.testing.assert_array_equal(getattr(found[0], name), getattr(found[1], name))
     np.testing.assert_array_equal(found[0].cells.areas, found[1].cells.areas)

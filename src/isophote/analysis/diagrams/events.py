@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from isophote.analysis.arrays import read_only
-from isophote.analysis.diagrams.sweep import in_order
+from isophote.analysis.diagrams.order import in_order
 from isophote.kernels.measure import fortune
 from isophote.kernels.measure.diagram import centres
 from isophote.kernels.measure.fortune_state import CIRCLES, DIRECTORY, OWNER, SITE, TRIANGLES, Sweep, new_sweep
@@ -60,11 +60,10 @@ class SweepEvent:
 def sweep_events(points: FloatArray) -> Iterator[SweepEvent]:
     """All events of a sweep over finite points (n, 2)."""
     ordered = in_order(points)
-    sweep = new_sweep(ordered.sites)
-    factor = _factor(points, ordered.sites)
+    sweep = new_sweep(ordered.sites.places)
     seen, circles = 0, 0
     while True:
-        y = float(fortune.advance(sweep.table.words, _ONE)) * factor
+        y = _unscaled(fortune.advance(sweep.table.words, _ONE), ordered.sites.exponent)
         if np.isnan(y):
             return
         arcs = ordered.names[_owners(sweep)]
@@ -72,10 +71,10 @@ def sweep_events(points: FloatArray) -> Iterator[SweepEvent]:
         if sweep.counts[CIRCLES] > circles:
             circles += 1
             corners = ordered.names[sweep.triangles[int(sweep.counts[TRIANGLES]) - 1]]
-            vertex = np.empty((1, 2))
-            centres(points, corners[None], 0, 1, vertex)
+            vertex = np.empty(2)
+            centres(points.reshape(-1), corners, 0, 1, vertex)
             edges = corners[None, [0, 2]]
-            yield _event("circle", y, arcs, points, corners, vertex[0], edges)
+            yield _event("circle", y, arcs, points, corners, vertex, edges)
             continue
         edges = _new_edges(arcs, new, first=seen == 0)
         seen += len(new)
@@ -96,10 +95,9 @@ def _event(
     return SweepEvent(kind, y, read_only(arcs), breakpoints, read_only(sites), found, read_only(edges), points)
 
 
-def _factor(points: FloatArray, sites: FloatArray) -> float:
-    """What the sites were divided by."""
-    greatest, least = float(np.abs(points).max(initial=0.0)), float(np.abs(sites).max(initial=0.0))
-    return greatest / least if least > 0 else 1.0
+def _unscaled(y: float, exponent: int) -> float:
+    with np.errstate(over="ignore"):
+        return float(np.ldexp(y, exponent))
 
 
 def _owners(sweep: Sweep) -> npt.NDArray[np.int64]:

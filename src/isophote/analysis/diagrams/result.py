@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from isophote.analysis.arrays import read_only
 from isophote.analysis.diagrams.cells import Cells
+from isophote.analysis.diagrams.dual import Dual
 from isophote.analysis.diagrams.events import SweepEvent, sweep_events
 from isophote.analysis.diagrams.locate import nearest_sites, partner_lists
 from isophote.analysis.diagrams.region import Region
@@ -42,7 +43,7 @@ class Voronoi:
     edge_sites: IntArray
     representative: IntArray
     region: Region
-    _triangulation: Delaunay
+    _dual: Dual
 
     @property
     def bounds(self) -> FloatArray:
@@ -75,6 +76,19 @@ class Voronoi:
         """The Delaunay triangulation of the points: the dual. Where more than three sites lie on a circle, one of
         several."""
         return self._triangulation
+
+    @cached_property
+    def _triangulation(self) -> Delaunay:
+        corners = self._dual.names[self._dual.corners]
+        return Delaunay(
+            self.points,
+            read_only(corners),
+            read_only(self._dual.neighbours),
+            read_only(self._dual.hull),
+            self.representative,
+            read_only(np.zeros(corners.shape, np.bool_)),
+            read_only(np.zeros(len(corners), np.int32)),
+        )
 
     def nearest(self, points: npt.ArrayLike) -> IntArray:
         """(q,) int32: the site nearest to each of points (q, 2); of equally near ones, any.

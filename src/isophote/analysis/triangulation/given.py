@@ -29,8 +29,8 @@ def finite_points(points: npt.ArrayLike, dimension: int | None = None) -> FloatA
         raise GeometryError(f"points must have shape (n, {wanted}), but have {array.shape}")
     if len(array) > _MOST_POINTS:
         raise GeometryError(f"at most {_MOST_POINTS:,} points can be triangulated, not {len(array):,}")
-    wrong = np.flatnonzero(~np.isfinite(array).all(axis=1))
-    if len(wrong):
+    if not np.isfinite(array).all():
+        wrong = np.flatnonzero(~np.isfinite(array).all(axis=1))
         raise GeometryError(f"{len(wrong)} points are not finite, the first is number {wrong[0]}: {array[wrong[0]]}")
     return array
 

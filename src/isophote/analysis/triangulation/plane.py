@@ -11,7 +11,7 @@ from isophote.analysis.crew import pieces, run
 from isophote.kernels.measure import delaunay2d, spatial_order
 from isophote.kernels.measure.edges import EDGE, FREE, FRESH, FRESH_END, HEAD, SUBDIVISION, TAIL
 
-__all__ = ["Triangles", "triangulate_plane"]
+__all__ = ["Triangles", "TrianglesInOrder", "triangulate_in_order", "triangulate_plane"]
 
 FloatArray: TypeAlias = npt.NDArray[np.float64]
 IntArray: TypeAlias = npt.NDArray[np.int32]
@@ -46,20 +46,46 @@ class _Part(NamedTuple):
     free: npt.NDArray[np.int64]
 
 
+class TrianglesInOrder(NamedTuple):
+    """Triangles of distinct `sites` (m, 2), which are points in an order in which neighbours are near each other.
+
+    `corners` are numbers of sites; `names` (m,) are the sites' numbers as points, which `hull` is told in.
+    """
+
+    sites: FloatArray
+    names: IntArray
+    corners: IntArray
+    neighbours: IntArray
+    hull: IntArray
+    representative: IntArray
+
+
 def triangulate_plane(points: FloatArray) -> Triangles:
     """The Delaunay triangulation of finite points (n, 2)."""
     order = _sorted(points)
+    return Triangles(*_triangulated(order, order.names), order.same_as)
+
+
+def triangulate_in_order(points: FloatArray) -> TrianglesInOrder:
+    """The Delaunay triangulation of finite points (n, 2), as it lies in memory."""
+    order = _sorted(points)
+    found = _triangulated(order, np.arange(len(order.names), dtype=np.int32))
+    return TrianglesInOrder(order.points.reshape(-1, 2), order.names, *found, order.same_as)
+
+
+def _triangulated(order: _Order, names: IntArray) -> tuple[IntArray, IntArray, IntArray]:
+    """Corners by these names, neighbours, and the points on the hull."""
     count = len(order.names)
     if count < 2:
         empty = np.empty((0, 3), np.int32)
-        return Triangles(empty, empty.copy(), order.names, order.same_as)
+        return empty, empty.copy(), order.names
     edges = np.empty(_EDGES_A_POINT * EDGE * count, np.int32)
     whole = _divide(order, edges, 0, count)
     around = np.empty(2 * count, np.int32)
     around = around[: delaunay2d.mark_outside(edges, whole.root, around)]
-    corners, neighbours = _faces(edges, order.names)
+    corners, neighbours = _faces(edges, names)
     hull = around[::-1] if len(corners) else _chain(around)
-    return Triangles(corners, neighbours, order.names[hull], order.same_as)
+    return corners, neighbours, order.names[hull]
 
 
 def _sorted(points: FloatArray) -> _Order:

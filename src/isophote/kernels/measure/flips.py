@@ -11,7 +11,7 @@ import numpy as np
 from isophote.kernels.base.jit import exact_device, exact_kernel
 from isophote.kernels.base.predicates import incircle
 
-__all__ = ["flip_wrong", "side_signs"]
+__all__ = ["flip_wrong"]
 
 _NEXT = (1, 2, 0)
 _BEFORE = (2, 0, 1)
@@ -45,24 +45,6 @@ def _sign(points, triangles, neighbours, t, k):
         points[d],
         points[d + 1],
     )
-
-
-@exact_kernel
-def side_signs(points, triangles, neighbours, begin, end, signs):
-    """Write `signs` (m, 3) of sides for triangles `begin` to `end`, at the one that is first of two; counts the wrong
-    ones, and those that are on a circle.
-
-    1: wrong, -1: right, 0: four points on a circle. At the second triangle of a side, -1.
-    """
-    wrong = ties = 0
-    for t in range(begin, end):
-        for k in range(3):
-            signs[t, k] = -1
-            if neighbours[t, k] > t:
-                signs[t, k] = sign = _sign(points, triangles, neighbours, t, k)
-                wrong += sign > 0
-                ties += sign == 0
-    return wrong, ties
 
 
 @exact_device
