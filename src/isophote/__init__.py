@@ -37,6 +37,7 @@ _HOME = {
     "OrthographicCamera": "scene.camera",
     "Parameter": "shapes.field.expression",
     "PathTrace": "rendering.path_trace",
+    "PixelFilter": "rendering.pixel_filter",
     "PointLight": "scene.light",
     "Principled": "scene.material",
     "RectLight": "scene.light",

@@ -16,9 +16,9 @@ __all__ = ["FILTERS", "FilterTable", "PixelFilter", "as_pixel_filter", "filter_t
 
 Array: TypeAlias = npt.NDArray[np.float64]
 
-# Steps of the tabulated distribution, and of the integral that it is made from: a multiple of the former.
-_STEPS = 2048
-_FINE = 1 << 16
+# Steps of the tabulated distribution, each with the same mass, and of the integral that it is made from.
+_STEPS = 1 << 14
+_FINE = 1 << 17
 _MOST_RADIUS = 64.0
 _BLACKMAN_HARRIS = (0.35875, -0.48829, 0.14128, -0.01168)
 
@@ -162,7 +162,7 @@ def filter_table(chosen: PixelFilter) -> FilterTable:
     offsets = np.concatenate([-half[:0:-1], half]).astype(np.float32)
     changes = np.flatnonzero(np.signbit(value[1:]) != np.signbit(value[:-1])) + 1
     # Both axes negative is positive again.
-    share = float(-mass[mass < 0].sum() / distribution[-1])
+    share = float(np.abs(mass[mass < 0]).sum() / distribution[-1])
     negative = 2 * share * (1 - share)
     return FilterTable(
         offsets,
