@@ -78,8 +78,9 @@ class Accelerator:
 _HOMES = {
     "brute": ("brute", "BRUTE_FORCE"),
     "bvh": ("tree_accelerator", "BVH"),
+    "kdtree": ("kdtree", "KDTREE"),
 }
-ACCELERATORS = ("bvh",)
+ACCELERATORS = ("bvh", "kdtree")
 REFERENCE = "brute"
 """Brute force, by which the others are tested."""
 

@@ -1,0 +1,149 @@
+"""Rays through a kd-tree, in kd_layout.py's memory.
+
+From the root down, a ray goes to the side of each plane that it is on first, and the other side waits on a stack with
+the interval of the ray that lies there (Wald: "Realtime Ray Tracing and Interactive Global Illumination", 2004, section
+7.2). Intervals overlap by the ray's slack (spread.py), so nothing slips between two sides, and what is met before an
+interval begins is nearer than all within it.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from isophote.kernels.accel.contract import (
+    STACK,
+    add_counts,
+    answer,
+    any_in_blocks,
+    closest_in_blocks,
+    nearest_of,
+    ray_at,
+    ray_direction,
+    ray_origin,
+)
+from isophote.kernels.accel.kd_layout import KD, LEAF
+from isophote.kernels.accel.spread import box_interval, spread_of
+from isophote.kernels.base.entry import entry, floats_at, opener_at
+from isophote.kernels.base.jit import device
+from isophote.kernels.base.simd import load_float, load_int, store_float, store_int
+from isophote.kernels.forms.triangle import shear
+
+__all__ = ["any_in_kd", "closest_in_kd"]
+
+open_kd = opener_at(KD)
+
+# Scratch: origin, 1/d and slack by axis, then a stack of entries of four words: node, level, interval.
+_ORIGIN, _INVERSE, _SLACK = np.int64(STACK), np.int64(STACK + 3), np.int64(STACK + 6)
+_BOTTOM, _ENTRY = np.int64(STACK + 12), np.int64(4)
+_LEAF, _ROOT, _NONE = np.int64(LEAF), np.int64(0), np.int64(-1)
+_ZERO = np.float32(0)
+_MOST_BLOCK_WORDS = np.int64(1) << np.int64(40)
+
+
+class _Place(NamedTuple):
+    """A node, its level, the ray's interval in it, and the top of the stack."""
+
+    node: int
+    level: int
+    enter: float
+    leave: float
+    top: int
+
+
+@device
+def _begin(tree, words, limit):
+    """The root, with the ray's interval in all that the tree holds."""
+    spread = spread_of(ray_origin(words), ray_direction(words), tree.reach)
+    for row, v in ((_ORIGIN, spread.origin), (_INVERSE, spread.inverse), (_SLACK, spread.slack)):
+        store_float(words, row, v.x)
+        store_float(words, row + 1, v.y)
+        store_float(words, row + 2, v.z)
+    enter, leave = box_interval(spread, tree.bounds, limit)
+    return _Place(_ROOT, np.int64(0), enter, leave, _BOTTOM)
+
+
+@device
+def _step(nodes, words, place, axis, child):
+    """From an inner node to the child that the ray is in first; the other waits where the ray comes there too."""
+    plane = load_float(nodes, 2 * place.node)
+    inverse, slack = load_float(words, _INVERSE + axis), load_float(words, _SLACK + axis)
+    t = (plane - load_float(words, _ORIGIN + axis)) * inverse
+    level = place.level + 1
+    near = child + np.int64(inverse < _ZERO)
+    far = child + np.int64(inverse >= _ZERO)
+    if t + slack < place.enter:
+        return _Place(far, level, place.enter, place.leave, place.top)
+    if t - slack > place.leave:
+        return _Place(near, level, place.enter, place.leave, place.top)
+    top = place.top
+    store_int(words, top, np.int32(far))
+    store_int(words, top + 1, np.int32(level))
+    store_float(words, top + 2, max(t - slack, place.enter))
+    store_float(words, top + 3, place.leave)
+    return _Place(near, level, place.enter, min(t + slack, place.leave), top + _ENTRY)
+
+
+@device
+def _next_waiting(words, top, limit):
+    """The next node on the stack whose interval begins before `limit`; the node _NONE if there is none."""
+    while top > _BOTTOM:
+        top -= _ENTRY
+        enter = load_float(words, top + 2)
+        if enter <= limit:
+            node, level = np.int64(load_int(words, top)), np.int64(load_int(words, top + 1))
+            return _Place(node, level, enter, load_float(words, top + 3), top)
+    return _Place(_NONE, np.int64(0), limit, limit, top)
+
+
+@entry
+def closest_in_kd(tables, blocks, ray):
+    tree, words = open_kd(tables), ray_at(ray)
+    triangles, nodes = floats_at(blocks, _MOST_BLOCK_WORDS), tree.nodes
+    sheared = shear(ray_origin(words), ray_direction(words))
+    nearest = nearest_of(words)
+    place = _begin(tree, words, nearest.t)
+    visited, tested, deepest = np.int64(0), np.int64(0), np.int64(0)
+    while place.node != _NONE and place.enter <= place.leave:
+        visited += 1
+        code = np.int64(load_int(nodes, 2 * place.node + 1))
+        if code & _LEAF != _LEAF:
+            place = _step(nodes, words, place, code & _LEAF, code >> 2)
+            continue
+        deepest = max(deepest, place.level)
+        count = code >> 2
+        if count > 0:
+            tested += count
+            first = np.int64(load_int(nodes, 2 * place.node))
+            nearest = closest_in_blocks(triangles, first, count, sheared, nearest, words)
+        place = _next_waiting(words, place.top, nearest.t)
+    add_counts(words, visited, tested, deepest)
+    return answer(words, nearest)
+
+
+@entry
+def any_in_kd(tables, blocks, ray):
+    tree, words = open_kd(tables), ray_at(ray)
+    triangles, nodes = floats_at(blocks, _MOST_BLOCK_WORDS), tree.nodes
+    sheared = shear(ray_origin(words), ray_direction(words))
+    limit = nearest_of(words).t
+    place = _begin(tree, words, limit)
+    visited, tested, deepest, met = np.int64(0), np.int64(0), np.int64(0), np.int64(0)
+    while place.node != _NONE and place.enter <= place.leave:
+        visited += 1
+        code = np.int64(load_int(nodes, 2 * place.node + 1))
+        if code & _LEAF != _LEAF:
+            place = _step(nodes, words, place, code & _LEAF, code >> 2)
+            continue
+        deepest = max(deepest, place.level)
+        count = code >> 2
+        if count > 0:
+            tested += count
+            first = np.int64(load_int(nodes, 2 * place.node))
+            if any_in_blocks(triangles, first, count, sheared, limit):
+                met = np.int64(1)
+                break
+        place = _next_waiting(words, place.top, limit)
+    add_counts(words, visited, tested, deepest)
+    return met
