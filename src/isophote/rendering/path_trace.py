@@ -14,7 +14,7 @@ from isophote.lower.field_table import scratch_words
 from isophote.lower.scene import lower_scene
 from isophote.rendering.film import Film
 from isophote.rendering.image import Image
-from isophote.rendering.method import Job, first_hit_channels
+from isophote.rendering.method import Job, checked_accelerator, first_hit_channels
 from isophote.rendering.passes import MOST_SAMPLES, PATTERNS, Limits, trace_passes
 from isophote.rendering.pixel_filter import PixelFilter, as_pixel_filter, filter_table, pixel_filter
 from isophote.rendering.pool import Pool, Tile
@@ -39,8 +39,9 @@ class PathTrace:
 
     `filter` is a `PixelFilter` or its name: "box", "tent", "gaussian", "blackman-harris", "mitchell" or "lanczos".
     `pattern` is "blue-noise" (Owen-scrambled Sobol points, shared out among neighbours), "sobol" (the same for each
-    pixel by itself), "jittered", "regular" (the middles of cells; not unbiased) or "independent". Without a limit of
-    time the same seed gives the same bits on every machine of one kind, whatever the threads and tiles.
+    pixel by itself), "jittered", "regular" (the middles of cells; not unbiased) or "independent". `accelerator` names
+    what finds what rays meet. Without a limit of time the same seed gives the same bits on every machine of one kind,
+    whatever the threads and tiles.
     """
 
     samples: int | None = attrs.field(default=None, validator=optional_whole(1, MOST_SAMPLES))
@@ -49,6 +50,7 @@ class PathTrace:
     seconds: float | None = attrs.field(default=None, validator=optional_positive)
     noise: float | None = attrs.field(default=None, validator=optional_positive)
     pattern: str = attrs.field(default="blue-noise", validator=one_of(PATTERNS))
+    accelerator: str = attrs.field(default="bvh", converter=checked_accelerator)
 
     @property
     def limits(self) -> Limits:
@@ -60,7 +62,7 @@ class PathTrace:
         warm_up(job.report, job.scene, "path")
         began = time.monotonic()
         job.report("building the tree", 0.0)
-        scene = lower_scene(job.scene, job.size, job.threads)
+        scene = lower_scene(job.scene, job.size, job.threads, self.accelerator)
         job.report("building the tree", 1.0)
         pool = Pool(job.threads)
         film = self._trace(scene, job, pool, began)
