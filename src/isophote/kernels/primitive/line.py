@@ -10,10 +10,10 @@ from isophote.kernels.base.exact import fused
 from isophote.kernels.base.jit import device, exact_device
 from isophote.kernels.primitive import layout
 
-__all__ = ["around", "discriminant", "found", "placed", "stretch_ends"]
+__all__ = ["around", "describe_lid", "discriminant", "found", "placed", "roots", "stretch_ends", "within_lids"]
 
-_NO, _ONE = np.int64(0), np.int64(1)
-_TURN, _WHOLE, _NOTHING = 1 / (2 * math.pi), 1.0, 0.0
+_NO, _ONE, _SIDE, _TOP, _BOTTOM = np.int64(0), np.int64(1), np.int64(0), np.int64(1), np.int64(2)
+_TURN, _HALF, _WHOLE, _NOTHING = 1 / (2 * math.pi), 0.5, 1.0, 0.0
 
 
 @device
@@ -58,3 +58,50 @@ def around(x, z):
     """How far (x, z) is turned about +y from +x, anticlockwise seen from +y: 0 to 1."""
     turn = math.atan2(-z, x) * _TURN
     return turn if turn >= _NOTHING else turn + _WHOLE
+
+
+@device
+def roots(a, b, c, d):
+    """The roots of a t² + 2 b t + c, for d = b² − a c ≥ 0, in order: the one that does not cancel, and the other by their
+    product (Press et al., "Numerical Recipes", section 5.6). Where a is 0, one is infinite, on the side where the
+    polynomial is below zero."""
+    q = -(b + math.copysign(math.sqrt(d), b))
+    if q == _NOTHING:
+        return _NOTHING, _NOTHING
+    first = q / (a if a != _NOTHING else _NOTHING)
+    second = c / q
+    return min(first, second), max(first, second)
+
+
+@device
+def within_lids(line, enter, leave):
+    """Crossings of what lies between the lids at y = 1 (part 1) and y = −1 (part 2) of a convex solid, which the line is
+    in from `enter` to `leave` (part 0)."""
+    y, v = line[1], line[4]
+    first, last = _SIDE, _SIDE
+    if v == _NOTHING:
+        return stretch_ends(line, enter, leave, first, last) if abs(y) <= _WHOLE else _NO
+    inverse = _WHOLE / v
+    low, high = (-_WHOLE - y) * inverse, (_WHOLE - y) * inverse
+    upward = v > _NOTHING
+    near, far = (low, high) if upward else (high, low)
+    if near > enter:
+        enter, first = near, _BOTTOM if upward else _TOP
+    if far < leave:
+        leave, last = far, _TOP if upward else _BOTTOM
+    return stretch_ends(line, enter, leave, first, last)
+
+
+@device
+def describe_lid(line, radius):
+    """A place on the lid at y = 1 (part 1) or y = −1 (part 2): u along x, v along −z seen from above, along +z seen from
+    below, 0 to 1 across the lid."""
+    side = _WHOLE if line[layout.PART] == _WHOLE else -_WHOLE
+    x, z = line[layout.PLACE], line[layout.PLACE + 2]
+    rho, most = math.sqrt(x * x + z * z), max(radius - line[layout.SLACK], _HALF * radius)
+    if rho > most:
+        x, z = x * most / rho, z * most / rho
+    line[layout.PLACE], line[layout.PLACE + 1], line[layout.PLACE + 2] = x, side, z
+    line[layout.NORMAL], line[layout.NORMAL + 1], line[layout.NORMAL + 2] = _NOTHING, side, _NOTHING
+    across = _HALF / radius if radius > _NOTHING else _NOTHING
+    line[layout.UV], line[layout.UV + 1] = _HALF + x * across, _HALF - side * z * across
