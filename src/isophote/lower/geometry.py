@@ -75,9 +75,10 @@ class _SurfaceBuilder:
         self.uvs, self.uv_corners = _Rows(), _Rows()
         self.faces, self.lights = _Rows(), _Rows()
 
-    def add_field(self, material: int, public: int) -> None:
-        """An item without triangles."""
-        self.items.append((0, material, -1, -1, -1, -1, 0, public))
+    def add_bare(self, material: int, public: int, light: int) -> None:
+        """An item without triangles, and the light that it is, or −1."""
+        lights = -1 if light < 0 else self.lights.add(np.array([light], np.int32))
+        self.items.append((0, material, lights, -1, -1, -1, 0, public))
 
     def add(self, part: Part, cut: Triangles, first_triangle: int, world: Matrix) -> None:
         """One item; `world` takes its normals from the mesh to where its object stands."""
@@ -169,7 +170,7 @@ def _merge(pieces: Sequence[tuple[FloatArray, IntArray]]) -> _World:
 
 def lower_geometry(
     parts: Sequence[Part],
-    fields: Sequence[tuple[int, int]] = (),
+    bare: Sequence[tuple[int, int, int]] = (),
     threads: int | None = None,
     accelerator: str = "bvh",
 ) -> tuple[Packed, Packed, FloatArray]:
@@ -177,8 +178,8 @@ def lower_geometry(
     which the least is above the greatest where there are none.
 
     What is used once, or often but small, becomes one tree in the world; what is left becomes instances of one tree a
-    mesh. `fields` are material and number for the user of items that have no triangles; they get the rows of the
-    surfaces' items behind those of the parts. Raises `SceneError` where coordinates leave the range of single
+    mesh. `bare` are material, number for the user and light (or −1) of items that have no triangles; they get the rows
+    of the surfaces' items behind those of the parts. Raises `SceneError` where coordinates leave the range of single
     precision.
     """
     uses: dict[int, int] = {}
@@ -213,8 +214,8 @@ def lower_geometry(
                 objects.append(_build(accelerator, _floats(part.mesh.vertices), cut.triangles, threads))
             instances.append((shared[id(part.mesh)], part.matrix, len(surfaces.items), 1))
             surfaces.add(part, cut, 0, _IDENTITY)
-    for material, public in fields:
-        surfaces.add_field(material, public)
+    for row in bare:
+        surfaces.add_bare(*row)
     geometry, slack, bounds = _instances(accelerator, objects, instances)
     spans = np.array([row[2:] for row in instances], np.int32).reshape(-1, 2)
     return geometry, surfaces.build(spans, slack), bounds

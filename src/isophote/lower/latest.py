@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 import weakref
+from collections.abc import Hashable
 from typing import NamedTuple
 
 from isophote.kernels.base.table import Packed
@@ -18,7 +19,7 @@ class _Kept(NamedTuple):
     items: tuple[weakref.ref[Item], ...]
     lights: tuple[Light, ...]
     camera: AnyCamera | None
-    accelerator: str
+    way: Hashable
     tables: dict[str, Packed]
 
 
@@ -29,25 +30,25 @@ class Latest:
         self._lock = threading.Lock()
         self._kept: _Kept | None = None
 
-    def find(self, scene: Scene, accelerator: str) -> dict[str, Packed] | None:
-        """The tables of a scene with the very same items, equal lights and the same accelerator, and an equal camera
+    def find(self, scene: Scene, way: Hashable) -> dict[str, Packed] | None:
+        """The tables of a scene with the very same items, equal lights, lowered in the same way, and an equal camera
         where that counts."""
         with self._lock:
             kept = self._kept
         if kept is None or len(kept.items) != len(scene.items) or kept.lights != scene.lights:
             return None
-        if kept.accelerator != accelerator:
+        if kept.way != way:
             return None
         if kept.camera is not None and kept.camera != scene.camera:
             return None
         same = all(ref() is item for ref, item in zip(kept.items, scene.items, strict=True))
         return kept.tables if same else None
 
-    def keep(self, scene: Scene, accelerator: str, tables: dict[str, Packed], *, one_view: bool = False) -> None:
+    def keep(self, scene: Scene, way: Hashable, tables: dict[str, Packed], *, one_view: bool = False) -> None:
         """Remember these tables instead of the last ones; with `one_view` they are only for the scene's camera."""
         items = tuple(weakref.ref(item, self._forget) for item in scene.items)
         with self._lock:
-            self._kept = _Kept(items, scene.lights, scene.camera if one_view else None, accelerator, tables)
+            self._kept = _Kept(items, scene.lights, scene.camera if one_view else None, way, tables)
 
     def _forget(self, dead: weakref.ref[Item]) -> None:
         # No lock: a collection may call this while one is held, and setting a name is atomic.

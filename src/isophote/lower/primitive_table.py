@@ -2,12 +2,40 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from isophote.kernels.base.table import Packed
 from isophote.kernels.primitive.layout import PRIMITIVES
+from isophote.shapes.primitive.primitive import Primitive
 
-__all__ = ["no_primitives"]
+__all__ = ["PrimitivePart", "no_primitives", "primitive_of"]
+
+
+class PrimitivePart(NamedTuple):
+    """An item that is an exact primitive: its material's number, its number for the user, and that of the light that it
+    is, or −1."""
+
+    primitive: Primitive
+    material: int
+    public: int
+    light: int = -1
+
+
+def primitive_of(shape: object) -> Primitive | None:
+    """What a shape is as an exact primitive, or None: fields of one simple solid, and shapes that say so."""
+    own = getattr(shape, "primitive", None)
+    if isinstance(own, Primitive):
+        return own
+    from isophote.shapes.field.field import Field
+
+    if isinstance(shape, Field):
+        # Loaded where it is needed: pictures of meshes come sooner without.
+        from isophote.shapes.primitive.recognise import primitive_of_form
+
+        return primitive_of_form(shape.form)
+    return None
 
 
 def no_primitives() -> Packed:

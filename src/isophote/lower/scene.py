@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -16,11 +15,13 @@ from isophote.lower.geometry import Part, lower_geometry
 from isophote.lower.latest import Latest
 from isophote.lower.lights import LightTable, rectangle_mesh
 from isophote.lower.materials import MaterialTable, emission_of
-from isophote.lower.primitive_table import no_primitives
+from isophote.lower.primitive_table import PrimitivePart, no_primitives, primitive_of
 from isophote.scene.light import RectLight
 from isophote.scene.material import Emitter
-from isophote.scene.scene import Scene, placed_box
+from isophote.scene.scene import Item, Scene, placed_box
 from isophote.shapes.mesh import Mesh
+from isophote.shapes.primitive.extent import box_around
+from isophote.shapes.primitive.primitive import Primitive
 
 if TYPE_CHECKING:
     from isophote.shapes.field.field import Field
@@ -31,8 +32,17 @@ __all__ = ["lower_scene"]
 _latest = Latest()
 
 
-def lower_scene(scene: Scene, size: tuple[int, int], threads: int | None = None, accelerator: str = "bvh") -> Packed:
+def lower_scene(
+    scene: Scene,
+    size: tuple[int, int],
+    threads: int | None = None,
+    accelerator: str = "bvh",
+    *,
+    marched: bool = False,
+) -> Packed:
     """The tables of `scene` for a picture of `size` (width, height), with the accelerator of a name.
+
+    Fields of one simple solid become exact primitives, unless they shall be `marched`.
 
     Items are numbered as they stand in the scene; area lights go on from there, in their order among the lights. Tables
     of the scene lowered last are used again where only the camera or the size differ. Endless fields reach as far as
@@ -41,11 +51,12 @@ def lower_scene(scene: Scene, size: tuple[int, int], threads: int | None = None,
     if scene.camera is None:
         raise SceneError("the scene has no camera; give Scene(camera=...) or use isophote.studio(scene)")
     camera = np.stack(scene.camera.linear_map(size)).astype(np.float32)
-    tables = _latest.find(scene, accelerator)
+    way = accelerator, marched
+    tables = _latest.find(scene, way)
     if tables is None:
-        parts = _parts_of(scene)
+        parts = _parts_of(scene, marched)
         tables = _tables(scene, parts, threads, accelerator)
-        _latest.keep(scene, accelerator, tables, one_view=endless(parts.fields))
+        _latest.keep(scene, way, tables, one_view=endless(parts.fields))
     return SCENE.pack(**tables, camera=camera)
 
 
@@ -54,17 +65,19 @@ class _Parts(NamedTuple):
 
     meshes: list[Part]
     fields: list[FieldPart]
+    primitives: list[PrimitivePart]
     materials: MaterialTable
     lights: LightTable
 
 
 def _tables(scene: Scene, parts: _Parts, threads: int | None, accelerator: str) -> dict[str, Packed]:
     """All tables but the camera's."""
-    if not parts.meshes and not parts.fields:
+    if not parts.meshes and not parts.fields and not parts.primitives:
         raise SceneError("the scene has nothing to draw: no items and no rectangle lights")
-    labels = [(part.material, part.public) for part in parts.fields]
+    labels = [(part.material, part.public, -1) for part in parts.fields]
+    labels += [(part.material, part.public, part.light) for part in parts.primitives]
     geometry, surfaces, bounds = lower_geometry(parts.meshes, labels, threads, accelerator)
-    finite = _finite_bounds(scene, bounds, parts.fields)
+    finite = _finite_bounds(scene, bounds, parts)
     fields = _fields(parts, finite, threads)
     reach = float(np.linalg.norm(finite[1] - finite[0])) / 2
     for number, light in enumerate(scene.lights, start=len(scene.items)):
@@ -75,7 +88,7 @@ def _tables(scene: Scene, parts: _Parts, threads: int | None, accelerator: str) 
         "geometry": geometry,
         "surfaces": surfaces,
         "fields": fields,
-        "primitives": no_primitives(),
+        "primitives": _primitives(parts),
         "materials": material_table,
         "textures": textures,
         "lights": parts.lights.build(reach),
@@ -91,30 +104,42 @@ def _fields(parts: _Parts, finite: npt.NDArray[np.float64], threads: int | None)
     return lower_fields(parts.fields, len(parts.meshes), finite, threads)
 
 
-def _finite_bounds(
-    scene: Scene, meshes: npt.NDArray[np.float32], fields: Sequence[FieldPart]
-) -> npt.NDArray[np.float64]:
-    """(2, 3): a box around all that is finite: meshes, fields as far as they have bounds, and, where some have none,
-    the camera and what it looks at."""
+def _primitives(parts: _Parts) -> Packed:
+    if not parts.primitives:
+        return no_primitives()
+    from isophote.lower.primitives import lower_primitives
+
+    return lower_primitives(parts.primitives, len(parts.meshes) + len(parts.fields))
+
+
+def _finite_bounds(scene: Scene, meshes: npt.NDArray[np.float32], parts: _Parts) -> npt.NDArray[np.float64]:
+    """(2, 3): a box around all that is finite: meshes, primitives, fields as far as they have bounds, and, where some
+    fields have none or nothing is finite, the camera and what it looks at."""
+    fields = parts.fields
     bounds = [np.asarray(part.field.bounds, np.float64) for part in fields]
     boxes = [placed_box(np.where(np.isfinite(b), b, 0.0), p.matrix) for b, p in zip(bounds, fields, strict=True)]
     finite = [meshes.astype(np.float64)] if np.isfinite(meshes).all() else []
     finite += boxes
-    if endless(fields) and scene.camera is not None:
+    finite += [box for part in parts.primitives if np.isfinite(box := box_around(part.primitive)).all()]
+    if (endless(fields) or not finite) and scene.camera is not None:
         finite += [np.array([place, place]) for place in (scene.camera.eye, scene.camera.target)]
     return np.stack([np.min([box[0] for box in finite], axis=0), np.max([box[1] for box in finite], axis=0)])
 
 
-def _parts_of(scene: Scene) -> _Parts:
-    parts = _Parts([], [], MaterialTable(), LightTable())
+def _parts_of(scene: Scene, marched: bool) -> _Parts:
+    parts = _Parts([], [], [], MaterialTable(), LightTable())
     for number, item in enumerate(scene.items):
         matrix, material = item.transform.matrix, parts.materials.number(item.material)
         if isinstance(item.shape, Mesh):
             radiance, two_sided = emission_of(item.material)
             own = parts.lights.add_mesh(item.shape, matrix, radiance, two_sided, number) if max(radiance) > 0 else None
             parts.meshes.append(Part(item.shape, matrix, material, number, own))
-        else:
+            continue
+        primitive = None if marched and _is_field(item.shape) else primitive_of(item.shape)
+        if primitive is None:
             parts.fields.append(FieldPart(_field(item.shape, number), matrix, material, number))
+        else:
+            parts.primitives.append(_primitive_part(parts, item, primitive.placed(matrix), material, number))
     for number, light in enumerate(scene.lights, start=len(scene.items)):
         if isinstance(light, RectLight):
             mesh, matrix, radiance = rectangle_mesh(light), light.transform.matrix, light.radiance_rgb
@@ -124,10 +149,27 @@ def _parts_of(scene: Scene) -> _Parts:
     return parts
 
 
+def _primitive_part(parts: _Parts, item: Item, placed: Primitive, material: int, number: int) -> PrimitivePart:
+    """A primitive where it stands. Those that shine are aimed at where they are spheres or disks; others are met by
+    chance."""
+    radiance, two_sided = emission_of(item.material)
+    light = parts.lights.add_primitive(placed, radiance, two_sided, number) if max(radiance) > 0 else -1
+    return PrimitivePart(placed, material, number, light)
+
+
+def _is_field(shape: object) -> bool:
+    from isophote.shapes.field.field import Field
+
+    return isinstance(shape, Field)
+
+
 def _field(shape: object, number: int) -> Field:
-    """A shape that is no mesh. Raises `SceneError` unless it is a field in space."""
+    """A shape that is neither a mesh nor a primitive. Raises `SceneError` unless it is a field in space."""
     from isophote.shapes.field.field import Field
 
     if isinstance(shape, Field):
         return shape
-    raise SceneError(f"items[{number}]: a {type(shape).__name__} cannot be rendered; give a Mesh or a Field")
+    raise SceneError(
+        f"items[{number}]: a {type(shape).__name__} cannot be rendered; give a Mesh, a Field, a Polygon, a Disk or a "
+        "Quadric"
+    )

@@ -50,6 +50,10 @@ class Placed(Form):
         """What lengths in the form's space count here, at least."""
         return 1.0
 
+    def affine_map(self) -> Matrix | None:
+        """(4, 4): the map from the form's space to this one, where it is affine."""
+        return None
+
     @property
     def dimension(self) -> int:  # type: ignore[override]
         return self.form.dimension
@@ -88,6 +92,12 @@ class Placed(Form):
         return self.bounds_at(0.0)
 
 
+def _in_space(linear: npt.ArrayLike, offset: npt.ArrayLike = 0.0) -> Matrix:
+    matrix = np.eye(4)
+    matrix[:3, :3], matrix[:3, 3] = linear, offset
+    return matrix
+
+
 def _applied(rows: Sequence[Sequence[Number]], parts: Sequence[Value]) -> list[Value]:
     """A matrix on a vector; rows may hold numbers and values."""
     return [sum((c * entry for c, entry in zip(parts[1:], row[1:], strict=True)), parts[0] * row[0]) for row in rows]
@@ -114,6 +124,9 @@ class Translate(Placed):
 
     def inside(self, p: Point) -> Point:
         return _moved(p, [c - p.number(o) for c, o in zip(p.coordinates, self.offset, strict=False)])
+
+    def affine_map(self) -> Matrix | None:
+        return _in_space(np.eye(3), self.offset) if self.dimension == 3 else None
 
     def bounds_at(self, level: float) -> Box:
         box: Box = self.form.bounds_at(level) + np.array(self.offset)
@@ -146,6 +159,9 @@ class Rotate(Placed):
     def inside(self, p: Point) -> Point:
         angle = p.number(self.angle)
         return _moved(p, _applied(self._rows(cos(angle), -sin(angle)), p.coordinates))
+
+    def affine_map(self) -> Matrix | None:
+        return _in_space(self._rows(math.cos(self.angle), math.sin(self.angle)))
 
     def bounds_at(self, level: float) -> Box:
         return turned_box(np.array(self._rows(math.cos(self.angle), math.sin(self.angle))), self.form.bounds_at(level))
@@ -205,6 +221,9 @@ class Along(Placed):
     def inside(self, p: Point) -> Point:
         return _moved(p, _applied(self._matrix().T.tolist(), p.coordinates))
 
+    def affine_map(self) -> Matrix | None:
+        return _in_space(self._matrix())
+
     def bounds_at(self, level: float) -> Box:
         return turned_box(self._matrix(), self.form.bounds_at(level))
 
@@ -232,6 +251,9 @@ class Mirror(Placed):
 
     def inside(self, p: Point) -> Point:
         return _moved(p, _applied(self._matrix().tolist(), p.coordinates[: self.dimension]))
+
+    def affine_map(self) -> Matrix | None:
+        return _in_space(self._matrix()) if self.dimension == 3 else None
 
     def bounds_at(self, level: float) -> Box:
         return turned_box(self._matrix(), self.form.bounds_at(level))
@@ -271,6 +293,9 @@ class Scale(Placed):
 
     def unit(self, p: Point) -> Number:
         return p.number(min(self._factors(), key=lowest))
+
+    def affine_map(self) -> Matrix | None:
+        return _in_space(np.diag(self._factors())) if self.dimension == 3 else None
 
     def bounds_at(self, level: float) -> Box:
         factors = np.array(self._factors())
@@ -341,6 +366,9 @@ class Affine(Placed):
 
     def unit(self, p: Point) -> Number:
         return float(self._singular_values()[-1])
+
+    def affine_map(self) -> Matrix | None:
+        return np.array(self.matrix) if self.dimension == 3 else None
 
     def bounds_at(self, level: float) -> Box:
         matrix = np.array(self.matrix)

@@ -1,0 +1,149 @@
+"""Exact primitives of a scene into their table, with a tree over the boxes of those that have an end."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from isophote.accel.tree import build_boxes
+from isophote.errors import SceneError
+from isophote.kernels.base.entry import Entry
+from isophote.kernels.base.table import Packed
+from isophote.kernels.primitive import ball, block, flat, outlined, quadratic, ring, tapered, tube
+from isophote.kernels.primitive.layout import PRIMITIVES
+from isophote.kernels.primitive.surface import primitive_surface
+from isophote.kernels.primitive.trace import trace_primitive
+from isophote.lower.primitive_table import PrimitivePart
+from isophote.shapes.primitive.extent import ball_around, box_around
+from isophote.shapes.primitive.primitive import Primitive
+
+__all__ = ["KINDS", "Kind", "lower_primitives", "own_numbers"]
+
+Floats: TypeAlias = npt.NDArray[np.float64]
+
+# So many primitives are asked one by one: a tree would take longer.
+_FEW = 3
+# Extents beyond this leave no room for arithmetic in single precision.
+_LARGEST = 1e15
+# Rounding on the way to a primitive's own space and back, in parts of what is added up on it.
+_ROUNDING = 64 * 2.0**-53
+# Boxes and balls grow by this part of their size and place, more than their rounding to single precision.
+_SLACK = 2.0**-22
+
+
+class Kind(NamedTuple):
+    """A kind of primitive: its two entries (kernels/primitive/layout.py), and its values as the entries want them."""
+
+    meet: Entry
+    describe: Entry
+    numbers: Callable[[Floats], Floats]
+
+
+def _as_they_are(values: Floats) -> Floats:
+    return values if len(values) else np.zeros(1)
+
+
+def _half_planes(values: Floats) -> Floats:
+    """Of a convex polygon's corners, counterclockwise: (a, b, c) of a x + b y ≤ c for every edge that has a length."""
+    corners = values.reshape(-1, 2)
+    edges = np.roll(corners, -1, axis=0) - corners
+    real = (edges != 0).any(axis=1)
+    corners, edges = corners[real], edges[real]
+    out = np.column_stack([edges[:, 1], -edges[:, 0]]) / np.linalg.norm(edges, axis=1)[:, None]
+    rows = np.column_stack([out, (out * corners).sum(axis=1)])
+    return np.concatenate([[float(len(rows))], rows.reshape(-1)])
+
+
+def _edges(values: Floats) -> Floats:
+    """Of a polygon's edges: those that are not level, which no level ray crosses."""
+    rows = values.reshape(-1, 4)
+    rows = rows[rows[:, 1] != rows[:, 3]]
+    return np.concatenate([[float(len(rows))], rows.reshape(-1)])
+
+
+KINDS: dict[str, Kind] = {
+    "ball": Kind(ball.meet_ball, ball.describe_ball, _as_they_are),
+    "plane": Kind(flat.meet_plane, flat.describe_plane, _as_they_are),
+    "disk": Kind(flat.meet_disk, flat.describe_disk, _as_they_are),
+    "block": Kind(block.meet_block, block.describe_block, _as_they_are),
+    "pipe": Kind(tube.meet_pipe, tube.describe_pipe, _as_they_are),
+    "tube": Kind(tube.meet_tube, tube.describe_tube, _as_they_are),
+    "cone": Kind(tapered.meet_cone, tapered.describe_cone, _as_they_are),
+    "ring": Kind(ring.meet_ring, ring.describe_ring, _as_they_are),
+    "quadric": Kind(quadratic.meet_quadric, quadratic.describe_quadric, _as_they_are),
+    "convex": Kind(outlined.meet_convex, outlined.describe_polygon, _half_planes),
+    "polygon": Kind(outlined.meet_polygon, outlined.describe_polygon, _edges),
+}
+
+
+def own_numbers(primitive: Primitive) -> Floats:
+    """The numbers that a primitive's entries are given."""
+    return KINDS[primitive.kind].numbers(primitive.values)
+
+
+def lower_primitives(parts: Sequence[PrimitivePart], surface: int) -> Packed:
+    """The table of all primitives; `surface` is the row of the first one's item among the surfaces.
+
+    Raises `SceneError` where one leaves the range of single precision.
+    """
+    placed = [part.primitive for part in parts]
+    boxes = np.array([box_around(primitive) for primitive in placed])
+    finite = np.isfinite(boxes).all(axis=(1, 2))
+    _check(parts, boxes, finite)
+    numbers = [own_numbers(primitive) for primitive in placed]
+    first = np.cumsum([0, *map(len, numbers)])[:-1]
+    kinds = [KINDS[primitive.kind] for primitive in placed]
+    alone, top = _tree(boxes, finite)
+    return PRIMITIVES.pack(
+        numbers=np.column_stack([surface + np.arange(len(parts)), first]).astype(np.int32),
+        entries=np.array([(kind.meet.address, kind.describe.address) for kind in kinds], np.int64),
+        reach=np.array([_reach(primitive, box) for primitive, box in zip(placed, boxes, strict=True)], np.float32),
+        values=np.concatenate(numbers),
+        to_object=np.array([np.linalg.inv(primitive.matrix)[:3].reshape(-1) for primitive in placed]),
+        to_world=np.array([primitive.matrix[:3].reshape(-1) for primitive in placed]),
+        alone=alone,
+        **top,
+        trace=trace_primitive.address,
+        surface=primitive_surface.address,
+    )
+
+
+def _check(parts: Sequence[PrimitivePart], boxes: Floats, finite: npt.NDArray[np.bool_]) -> None:
+    with np.errstate(invalid="ignore"):
+        sizes = (boxes[:, 1] - boxes[:, 0]).max(axis=1)
+    reach = np.abs(np.where(np.isfinite(boxes), boxes, 0.0)).max(axis=(1, 2))
+    wrong = np.isnan(boxes).any(axis=(1, 2)) | (reach > _LARGEST) | (finite & ~(sizes > 1 / _LARGEST))
+    if wrong.any():
+        bad = int(np.argmax(wrong))
+        raise SceneError(
+            f"items[{parts[bad].public}]: its region {boxes[bad].tolist()} leaves no room for single precision; "
+            "scale the scene"
+        )
+
+
+def _tree(boxes: Floats, finite: npt.NDArray[np.bool_]) -> tuple[npt.NDArray[np.int32], dict[str, npt.NDArray[np.generic]]]:
+    """Primitives that stand alone, and the tree over the boxes of the others."""
+    if finite.sum() <= _FEW:
+        none = {"top_nodes": np.zeros(0, np.float32), "top_items": np.zeros(0, np.int32)}
+        return np.arange(len(boxes), dtype=np.int32), dict(none)
+    numbers = np.flatnonzero(finite)
+    slack = _SLACK * np.abs(boxes[finite]).max(axis=(1, 2))[:, None]
+    low, high = boxes[finite, 0] - slack, boxes[finite, 1] + slack
+    tree = build_boxes(low.astype(np.float32), high.astype(np.float32))
+    items = numbers[tree.blocks.astype(np.int64)].astype(np.int32)
+    return np.flatnonzero(~finite).astype(np.int32), {"top_nodes": tree.nodes, "top_items": items}
+
+
+def _reach(primitive: Primitive, box: Floats) -> tuple[float, ...]:
+    """A row of `Primitives.reach`."""
+    middle, radius = ball_around(primitive)
+    radius *= 1 + _SLACK
+    there, back = np.abs(primitive.matrix[:3]), np.abs(np.linalg.inv(primitive.matrix)[:3])
+    # Of endless ones, what is near their own middle; a hit's own place is counted where it is known.
+    far = np.abs(np.where(np.isfinite(box), box, primitive.matrix[:3, 3])).max(axis=0)
+    returned = there[:, :3] @ (back[:, :3] @ far + back[:, 3]) + there[:, 3]
+    stretch = float(np.linalg.norm(back[:, :3], 2))
+    return (*middle, radius + _SLACK * float(np.abs(middle).max()), _ROUNDING * float(returned.max()), stretch)

@@ -1,0 +1,1 @@
+"""Shapes that rays meet by a formula."""
