@@ -40,6 +40,7 @@ _HOME = {
     "PixelFilter": "rendering.pixel_filter",
     "PointLight": "scene.light",
     "Principled": "scene.material",
+    "RayTrace": "rendering.ray_trace",
     "RectLight": "scene.light",
     "RenderError": "errors",
     "Scene": "scene.scene",

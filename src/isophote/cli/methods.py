@@ -17,6 +17,7 @@ __all__ = ["METHODS", "new_method"]
 # Name on the command line → module in isophote.rendering, and class there.
 METHODS = {
     "path": ("path_trace", "PathTrace"),
+    "ray": ("ray_trace", "RayTrace"),
     "sphere": ("sphere_trace", "SphereTrace"),
 }
 

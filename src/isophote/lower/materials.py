@@ -106,6 +106,11 @@ class MaterialTable:
         """Row of a material."""
         return self._numbers.setdefault(material, len(self._numbers))
 
+    @property
+    def materials(self) -> tuple[Material, ...]:
+        """All materials that were numbered, in their order."""
+        return tuple(self._numbers)
+
     def build(self) -> tuple[Packed, Packed]:
         """The tables of all materials that were numbered. Raises `SceneError` where one has too many parts."""
         rows = [_row(material) for material in self._numbers]

@@ -15,6 +15,7 @@ from isophote.lower.geometry import Part, lower_geometry
 from isophote.lower.latest import Latest
 from isophote.lower.lights import LightTable, rectangle_mesh
 from isophote.lower.materials import MaterialTable, emission_of
+from isophote.lower.media import lower_media
 from isophote.lower.primitive_table import PrimitivePart, no_primitives, primitive_of
 from isophote.scene.light import RectLight
 from isophote.scene.material import Emitter
@@ -90,6 +91,7 @@ def _tables(scene: Scene, parts: _Parts, threads: int | None, accelerator: str) 
         "fields": fields,
         "primitives": _primitives(parts),
         "materials": material_table,
+        "media": lower_media(parts.materials.materials),
         "textures": textures,
         "lights": parts.lights.build(reach),
     }

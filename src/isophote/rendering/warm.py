@@ -56,6 +56,14 @@ def _path_tracer() -> None:
     path.path_trace_tile(*words, wave.new_wave(1).words, 0, 0, 0, 0)
 
 
+def _ray_tracer() -> None:
+    from isophote.kernels.trace import ray_log, ray_trace, ray_tree
+
+    before = (_words(table) for table in (tables.SCENE, tables.PLAN, tables.FILM))
+    after = (_words(table) for table in (ray_tree.TREE, ray_log.LOG))
+    ray_trace.ray_trace_tile(*before, wave.new_wave(1).words, *after, 0, 0, 0, 0)
+
+
 def _sphere_tracer() -> None:
     from isophote.kernels.trace import sphere_trace
 
@@ -97,6 +105,7 @@ class _Part(NamedTuple):
 # Compiling loads much, so each part does it for itself.
 _PARTS = {
     "path": _Part("trace/path.py", "path_trace_tile", _path_tracer),
+    "ray": _Part("trace/ray_trace.py", "ray_trace_tile", _ray_tracer),
     "sphere": _Part("trace/sphere_trace.py", "sphere_trace_tile", _sphere_tracer),
     "first hits": _Part("trace/first_hit.py", "first_hits", _first_hits),
     "trees": _Part("accel/build_wide.py", "fill_blocks", _trees),
@@ -124,9 +133,9 @@ def compile_parts(parts: Sequence[str]) -> None:
 
 
 def warm_up(report: Reporter, scene: Scene, method: str) -> None:
-    """Compile what a method ("path" or "sphere") needs for a scene and is not in the cache yet, the method itself here
-    and the rest in a second process; both write to the same cache."""
-    rest = ["first hits"] if method == "path" else []
+    """Compile what a method ("path", "ray" or "sphere") needs for a scene and is not in the cache yet, the method itself
+    here and the rest in a second process; both write to the same cache."""
+    rest = ["first hits"] if method in ("path", "ray") else []
     meshes = [isinstance(item.shape, Mesh) for item in scene.items]
     rest += ["trees"] if any(meshes) else []
     rest += ["fields"] if not all(meshes) else []

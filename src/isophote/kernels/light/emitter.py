@@ -223,8 +223,8 @@ def sample_light(lights, k, point, u, v):
 
 @device
 def sample_group(lights, group, point, u, v):
-    """(row, sample) of the light that a group of rows is, as seen from `point`: `u` picks one of them in proportion to
-    its power, and the density is that of the whole."""
+    """(row, chance, sample) of the light that a group of rows is, as seen from `point`: `u` picks one of them in
+    proportion to its power."""
     low, count = np.int64(lights.groups[group, 0]), np.int64(lights.groups[group, 1])
     end = low + count
     shares = lights.shares
@@ -235,9 +235,7 @@ def sample_group(lights, group, point, u, v):
         count -= half
     chance = (shares[low + 1] if low + 1 < end else _ONE) - shares[low]
     sample = sample_light(lights, low, point, min((u - shares[low]) / chance, _ONE_BELOW), v)
-    if sample.density <= _ZERO:
-        return low, sample
-    return low, sample._replace(density=sample.density * chance)
+    return low, chance, sample
 
 
 @device

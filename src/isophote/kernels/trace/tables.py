@@ -8,6 +8,7 @@ from isophote.kernels.accel.surface import SURFACES
 from isophote.kernels.base.table import DOUBLE_BOXES, FLOAT_ROWS, FLOATS, INT, LONGS, Table
 from isophote.kernels.light.bsdf import MATERIALS
 from isophote.kernels.light.emitter import LIGHTS
+from isophote.kernels.light.medium import MEDIA
 from isophote.kernels.light.texture import TEXTURES
 from isophote.kernels.primitive.layout import PRIMITIVES
 
@@ -21,6 +22,7 @@ SCENE = Table(
     fields=FIELDS,
     primitives=PRIMITIVES,
     materials=MATERIALS,
+    media=MEDIA,
     textures=TEXTURES,
     lights=LIGHTS,
     camera=FLOAT_ROWS,

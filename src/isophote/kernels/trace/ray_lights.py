@@ -1,0 +1,178 @@
+"""Direct light: every light on every surface of a wave, by shadow rays.
+
+    L = Σ f(out, into) cosθ E   for points, spots and suns,
+    L = 1/n Σ f(out, into) cosθ L_light / density   for lights with a size, by n shadow rays each
+
+None is picked by chance. The n places on a light, and those of all samples of a pixel together, are spread evenly.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from isophote.kernels.accel.geometry import Hit
+from isophote.kernels.accel.surface import Surface, offset_point
+from isophote.kernels.base.jit import device
+from isophote.kernels.base.sampler import draw_pairs
+from isophote.kernels.base.vec import maximum_component, vec3
+from isophote.kernels.light.emitter import ENVIRONMENT, sample_group
+from isophote.kernels.trace import ray_tree
+from isophote.kernels.trace import wave as rows
+from isophote.kernels.trace.batch import find_blocked
+from isophote.kernels.trace.material import evaluate_material, prepare_material
+from isophote.kernels.trace.ray_log import log_light, log_visible
+from isophote.kernels.trace.samples import FIRST
+from isophote.kernels.trace.wave import add_radiance, row_vec3, set_row_vec3
+
+__all__ = ["light_surfaces", "remember_surface"]
+
+_ZERO, _ONE = np.float32(0), np.float32(1)
+_FAR = np.float32(np.inf)
+# As in path.py: a shadow ray ends this much short of its light.
+_SHADOW_END = np.float32(1 - 1e-4)
+
+
+@device
+def remember_surface(tree, at, i, surface, carried):
+    """Note a surface that the ray in wave column `i` met, for lights to shine on, in column `at`."""
+    floats, numbers = tree.surfaces, tree.surface_numbers
+    set_row_vec3(floats, ray_tree.PLACE, at, surface.place)
+    set_row_vec3(floats, ray_tree.NORMAL, at, surface.normal)
+    set_row_vec3(floats, ray_tree.SHADING, at, surface.shading)
+    set_row_vec3(floats, ray_tree.SHARE, at, carried)
+    floats[ray_tree.ERROR, at] = surface.error
+    floats[ray_tree.U, at], floats[ray_tree.V, at] = surface.u, surface.v
+    numbers[ray_tree.COLUMN, at] = i
+    numbers[ray_tree.ITEM, at], numbers[ray_tree.TRIANGLE, at] = surface.item, surface.triangle
+
+
+@device
+def _surface(tree, at):
+    floats, numbers = tree.surfaces, tree.surface_numbers
+    return Surface(
+        row_vec3(floats, ray_tree.PLACE, at),
+        row_vec3(floats, ray_tree.NORMAL, at),
+        row_vec3(floats, ray_tree.SHADING, at),
+        floats[ray_tree.ERROR, at],
+        floats[ray_tree.U, at],
+        floats[ray_tree.V, at],
+        numbers[ray_tree.ITEM, at],
+        numbers[ray_tree.TRIANGLE, at],
+    )
+
+
+@device
+def _draw_jobs(plan, tree, wave, first, count):
+    """Sample numbers of all lights for surfaces first … first + count − 1."""
+    keys, jobs = tree.keys, tree.jobs
+    for h in range(count):
+        i = tree.surface_numbers[ray_tree.COLUMN, first + h]
+        keys[ray_tree.DRAW_KEY, h] = wave.ints[rows.PIXEL, i]
+    for job in range(jobs.rows):
+        several = jobs[job, 2]
+        if several == 0:
+            continue
+        for h in range(count):
+            i = tree.surface_numbers[ray_tree.COLUMN, first + h]
+            keys[ray_tree.DRAW_SAMPLE, h] = wave.ints[rows.SAMPLE, i] * several + jobs[job, 1]
+        draw_pairs(
+            plan.pattern,
+            plan.seed,
+            keys[ray_tree.DRAW_KEY],
+            keys[ray_tree.DRAW_SAMPLE],
+            plan.samples * several,
+            FIRST + jobs[job, 0],
+            count,
+            tree.draws[2 * job],
+            tree.draws[2 * job + 1],
+        )
+
+
+@device
+def _prepare(tables, tree, wave, surface, at):
+    """Make ready what the surface in column `at` is evaluated with."""
+    floats, longs = wave.floats, wave.longs
+    i = tree.surface_numbers[ray_tree.COLUMN, at]
+    hit = Hit(
+        floats[rows.HIT_T, i],
+        floats[rows.HIT_W1, i],
+        floats[rows.HIT_W2, i],
+        longs[rows.HIT_SLOT, i],
+        longs[rows.HIT_INSTANCE, i],
+    )
+    prepare_material(tables, surface, hit, row_vec3(floats, rows.DIRECTION, i), wave.scratch)
+
+
+@device
+def _arriving(lights, row, sample):
+    """What arrives; of an environment without the constant part of the sky, which counts as ambient light."""
+    radiance = vec3(sample.red, sample.green, sample.blue)
+    if lights.kinds[row] != ENVIRONMENT:
+        return radiance
+    constant = lights.environment.constant
+    return radiance - vec3(constant[0], constant[1], constant[2])
+
+
+@device
+def _aim(tables, tree, wave, log, at, h, first, surface, job):
+    """A shadow ray from a surface to a place on a light, in wave column `at`. Returns how many were made: 1 or 0."""
+    floats, jobs = wave.floats, tree.jobs
+    group, several = np.int64(jobs[job, 0]), jobs[job, 2]
+    u, v = tree.draws[2 * job, h], tree.draws[2 * job + 1, h]
+    row, chance, sample = sample_group(tables.lights, group, surface.place, u, v)
+    if sample.density < _ZERO:
+        return 0
+    into = vec3(sample.x, sample.y, sample.z)
+    arriving = _arriving(tables.lights, row, sample)
+    value, _ = evaluate_material(tables, surface, into, wave.scratch)
+    factor = _ONE / (sample.density * chance * np.float32(several)) if several > 0 else _ONE
+    light = row_vec3(tree.surfaces, ray_tree.SHARE, first + h) * value * arriving * factor
+    i = tree.surface_numbers[ray_tree.COLUMN, first + h]
+    trial = np.int64(jobs[job, 1])
+    logged = log_light(
+        log, tree.rays[ray_tree.LOGGED, i], np.int64(tables.lights.groups[group, 3]), trial, sample, value, factor
+    )
+    start = offset_point(surface.place, surface.normal, surface.error, into)
+    # The light's place seen from the moved start, so that the ray still ends on it, at t = 1.
+    far = sample.distance == _FAR
+    to_light = into if far else into * sample.distance + (surface.place - start)
+    set_row_vec3(floats, rows.SHADOW_ORIGIN, at, start)
+    set_row_vec3(floats, rows.SHADOW_DIRECTION, at, to_light)
+    set_row_vec3(floats, rows.SHADOW_LIGHT, at, light)
+    floats[rows.SHADOW_END, at] = _FAR if far else _SHADOW_END
+    wave.ints[rows.SHADOW_OWNER, at] = i
+    tree.rays[ray_tree.SHADOW_LOGGED, at] = logged
+    return np.int64(maximum_component(light) > _ZERO)
+
+
+@device
+def _collect(tree, wave, log, count):
+    """Add the light of shadow rays that nothing blocked."""
+    for k in range(count):
+        i = np.int64(wave.ints[rows.SHADOW_OWNER, k])
+        tree.rays[ray_tree.COUNT, np.int64(wave.ints[rows.OWNER, i])] += 1
+        if wave.ints[rows.BLOCKED, k] == 0:
+            add_radiance(wave, i, row_vec3(wave.floats, rows.SHADOW_LIGHT, k))
+            log_visible(log, tree.rays[ray_tree.SHADOW_LOGGED, k])
+
+
+@device
+def light_surfaces(tables, plan, tree, wave, log, count, coherent):
+    """Add the light of all lights to the rays that met surfaces 0 … count − 1."""
+    jobs, size = tree.jobs.rows, wave.floats.columns
+    if jobs == 0:
+        return
+    several = tree.draws.columns
+    for first in range(0, count, several):
+        here = min(several, count - first)
+        _draw_jobs(plan, tree, wave, first, here)
+        # All jobs at once, or, where there are more than a wave holds, those of a single surface in parts.
+        for begin in range(0, jobs, size):
+            made = np.int64(0)
+            for h in range(here):
+                surface = _surface(tree, first + h)
+                _prepare(tables, tree, wave, surface, first + h)
+                for job in range(begin, min(begin + size, jobs)):
+                    made += _aim(tables, tree, wave, log, made, h, first, surface, job)
+            find_blocked(tables, wave, made, coherent)
+            _collect(tree, wave, log, made)

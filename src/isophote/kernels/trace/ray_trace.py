@@ -1,0 +1,213 @@
+"""Ray tracing after Whitted: trees of rays from the camera.
+
+    L = tint · (L_e + ambient + Σ_lights f cosθ E V + R L(reflected) + T L(refracted))
+
+("An improved illumination model for shaded display", CACM 23(6), 1980.) The ambient term is a surface's colour times
+the radiance of a constant sky, as if nothing stood in its way. Surfaces that scatter light are lit by all lights;
+smooth ones branch the tree: mirrors by one ray, boundaries of clear media by two, split by Fresnel's equations.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from isophote.kernels.accel.geometry import Hit
+from isophote.kernels.accel.surface import MATERIAL, offset_point
+from isophote.kernels.base.jit import device, kernel
+from isophote.kernels.base.sampler import pair
+from isophote.kernels.base.vec import dot, maximum_component, vec3
+from isophote.kernels.base.warp import to_disk
+from isophote.kernels.light.bsdf import GLASS
+from isophote.kernels.light.emitter import lamp_radiance
+from isophote.kernels.light.environment import environment_radiance
+from isophote.kernels.light.medium import Boundary, attenuation, current_medium, medium_ior, meet_boundary
+from isophote.kernels.trace import ray_log, ray_tree
+from isophote.kernels.trace import wave as rows
+from isophote.kernels.trace.batch import LAMP, trace_rays
+from isophote.kernels.trace.boundary import split_ray
+from isophote.kernels.trace.direct import is_surface, surface_of
+from isophote.kernels.trace.material import branch_material, prepare_material, sample_material
+from isophote.kernels.trace.ray_lights import light_surfaces, remember_surface
+from isophote.kernels.trace.ray_log import LOG, log_camera, log_hit, log_terms
+from isophote.kernels.trace.ray_tree import TREE, branch, gather, next_level, start_trees, sum_levels, take
+from isophote.kernels.trace.samples import Tile, develop, start_paths
+from isophote.kernels.trace.shading import surface_colour, surface_emission
+from isophote.kernels.trace.tables import FILM, PLAN, SCENE
+from isophote.kernels.trace.wave import add_radiance, row_vec3
+
+__all__ = ["ray_trace_tile"]
+
+_ZERO, _ONE = np.float32(0), np.float32(1)
+# Sampling dimensions beyond those of lights.
+_SCATTER, _PICK = np.int64(2**20), np.int64(2**20 + 1)
+
+open_scene, open_plan, open_film, open_wave = SCENE.open, PLAN.open, FILM.open, rows.WAVE.open
+open_tree, open_log = TREE.open, LOG.open
+
+
+@device
+def _meet_light(tables, tree, wave, log, i):
+    """What a ray gathers that meets no surface: the sky, or a lamp."""
+    floats, longs = wave.floats, wave.longs
+    origin, direction, t = row_vec3(floats, rows.ORIGIN, i), row_vec3(floats, rows.DIRECTION, i), floats[rows.HIT_T, i]
+    if longs[rows.HIT_SLOT, i] == LAMP:
+        met = ray_log.LAMP
+        emitted = lamp_radiance(tables.lights, longs[rows.HIT_INSTANCE, i], origin + direction * t, direction)
+    else:
+        met, t = ray_log.NOTHING, np.float32(np.inf)
+        emitted = environment_radiance(tables.lights.environment, direction)
+    tint = attenuation(tables.media, current_medium(tables.media, tree.rays[ray_tree.INSIDE, i]), t)
+    log_terms(log, tree.rays[ray_tree.LOGGED, i], met, t, tint, emitted, vec3(_ZERO, _ZERO, _ZERO))
+    add_radiance(wave, i, row_vec3(floats, rows.CARRIED, i) * tint * emitted)
+
+
+@device
+def _boundary(media, material, inside, entering):
+    """The media before and behind a surface; the same where its material holds none."""
+    medium = np.int64(media.of_material[material])
+    if medium != 0:
+        return meet_boundary(media, inside, medium, entering)
+    current = current_medium(media, inside)
+    return Boundary(current, current, inside)
+
+
+@device
+def _emitted(tables, surface, direction):
+    emitted, two_sided = surface_emission(tables, surface)
+    if two_sided or dot(direction, surface.normal) < _ZERO:
+        return emitted
+    return vec3(_ZERO, _ZERO, _ZERO)
+
+
+@device
+def _ambient(tables, plan, wave, i, surface):
+    """What a surface scatters of a constant sky with nothing in its way; of matte ones, colour times radiance."""
+    floats = tables.lights.environment.constant
+    constant = vec3(floats[0], floats[1], floats[2])
+    if maximum_component(constant) <= _ZERO:
+        return constant
+    pixel, sample = wave.ints[rows.PIXEL, i], wave.ints[rows.SAMPLE, i]
+    u, v = pair(plan.pattern, plan.seed, pixel, sample, plan.samples, _SCATTER)
+    pick, _ = pair(plan.pattern, plan.seed, pixel, sample, plan.samples, _PICK)
+    x, y = to_disk(u, v)
+    _, weight, density = sample_material(tables, surface, x, y, pick, wave.scratch)
+    # Single directions are branches of the tree.
+    return constant * weight if density > _ZERO else constant * _ZERO
+
+
+@device
+def _start(surface, into):
+    return offset_point(surface.place, surface.normal, surface.error, into)
+
+
+@device
+def _branch_glass(tables, tree, wave, log, levels, level, i, surface, direction, boundary, carried):
+    """The rays that leave a boundary of clear media; where it lies within a medium of higher priority, it is none."""
+    if boundary.before == boundary.behind:
+        start, weight = _start(surface, direction), vec3(_ONE, _ONE, _ONE)
+        kind, inside = ray_log.PASSED, boundary.inside
+        branch(tree, log, wave, levels, level, i, kind, inside, start, direction, carried, weight)
+        return
+    ratio = medium_ior(tables.media, boundary.behind) / medium_ior(tables.media, boundary.before)
+    share, reflected, refracted = split_ray(surface, direction, ratio)
+    inside, colour = tree.rays[ray_tree.INSIDE, i], surface_colour(tables, surface)
+    for k in range(2):
+        into = reflected if k == 0 else refracted
+        # Radiance is squeezed into a smaller cone behind the boundary (bsdf.py).
+        weight = colour * (share if k == 0 else (_ONE - share) / (ratio * ratio))
+        kind = ray_log.REFLECTED if k == 0 else ray_log.REFRACTED
+        if share < _ONE or k == 0:
+            branch(tree, log, wave, levels, level, i, kind, inside, _start(surface, into), into, carried, weight)
+        inside = boundary.inside
+
+
+@device
+def _branch_any(tables, tree, wave, log, levels, level, i, surface, direction, carried):
+    """The rays in all single directions that a material sends light to."""
+    inside = tree.rays[ray_tree.INSIDE, i]
+    material = np.int64(tables.surfaces.items[surface.item, MATERIAL])
+    for k in range(tables.materials.branches[material]):
+        into, weight = branch_material(tables, surface, k, wave.scratch)
+        if maximum_component(weight) > _ZERO:
+            back = dot(into, surface.normal) * dot(direction, surface.normal) < _ZERO
+            kind = ray_log.REFLECTED if back else ray_log.REFRACTED
+            branch(tree, log, wave, levels, level, i, kind, inside, _start(surface, into), into, carried, weight)
+
+
+@device
+def _meet_surface(tables, plan, tree, wave, log, level, i, lit):
+    """What a ray gathers at a surface, apart from lights, and the rays that leave it. Returns 1 if lights shine on it,
+    which is noted in column `lit`, else 0."""
+    floats, longs = wave.floats, wave.longs
+    origin, direction, t = row_vec3(floats, rows.ORIGIN, i), row_vec3(floats, rows.DIRECTION, i), floats[rows.HIT_T, i]
+    hit = Hit(t, floats[rows.HIT_W1, i], floats[rows.HIT_W2, i], longs[rows.HIT_SLOT, i], longs[rows.HIT_INSTANCE, i])
+    surface = surface_of(tables, origin, direction, hit, wave.scratch)
+    material = np.int64(tables.surfaces.items[surface.item, MATERIAL])
+    prepare_material(tables, surface, hit, direction, wave.scratch)
+    inside = tree.rays[ray_tree.INSIDE, i]
+    boundary = _boundary(tables.media, material, inside, dot(direction, surface.normal) < _ZERO)
+    tint = attenuation(tables.media, boundary.before, t)
+    carried = row_vec3(floats, rows.CARRIED, i) * tint
+    emitted, ambient = _emitted(tables, surface, direction), vec3(_ZERO, _ZERO, _ZERO)
+    scatters = tables.materials.scatters[material] != 0
+    if scatters:
+        remember_surface(tree, lit, i, surface, carried)
+        ambient = _ambient(tables, plan, wave, i, surface)
+    logged = tree.rays[ray_tree.LOGGED, i]
+    log_terms(log, logged, ray_log.SURFACE, t, tint, emitted, ambient)
+    log_hit(log, logged, tables, hit, surface)
+    add_radiance(wave, i, carried * (emitted + ambient))
+    levels = plan.max_depth
+    if tables.materials.kinds[material] == GLASS:
+        _branch_glass(tables, tree, wave, log, levels, level, i, surface, direction, boundary, carried)
+    else:
+        _branch_any(tables, tree, wave, log, levels, level, i, surface, direction, carried)
+    return np.int64(scatters)
+
+
+@device
+def _shade(tables, plan, tree, wave, log, level, count):
+    """What every ray gathers, lights apart. Returns how many surfaces lights shine on."""
+    lit = np.int64(0)
+    for i in range(count):
+        if is_surface(wave.longs[rows.HIT_SLOT, i]):
+            lit += _meet_surface(tables, plan, tree, wave, log, level, i, lit)
+        else:
+            _meet_light(tables, tree, wave, log, i)
+    return lit
+
+
+@device
+def _count_rays(plan, tree, wave, count):
+    """Add the trees' rays to their pixels."""
+    pixels = plan.width * plan.height
+    for i in range(count):
+        place = np.int64(wave.ints[rows.PLACE, i])
+        tree.traced[place - pixels if place >= pixels else place] += tree.rays[ray_tree.COUNT, i]
+
+
+@kernel
+def ray_trace_tile(scene_words, plan_words, film_words, wave_words, tree_words, log_words, x0, x1, y0, y1):
+    """Ray-trace the samples that the pixels x0 ≤ x < x1, y0 ≤ y < y1 are short of, onto the film."""
+    tables, plan = open_scene(scene_words), open_plan(plan_words)
+    film, wave = open_film(film_words), open_wave(wave_words)
+    tree, log = open_tree(tree_words), open_log(log_words)
+    tile, levels = Tile(x0, x1, y0, y1), plan.max_depth
+    trees, place = start_paths(tables, plan, film, tile, np.int64(0), wave)
+    while trees > 0:
+        start_trees(tree, levels, trees)
+        for i in range(trees):
+            tree.rays[ray_tree.LOGGED, i] = log_camera(log, wave, i)
+        count, level = trees, np.int64(0)
+        while count > 0:
+            # Rays of one pixel leave the camera together; later ones go every way.
+            trace_rays(tables, wave, count, level == 0)
+            lit = _shade(tables, plan, tree, wave, log, level, count)
+            light_surfaces(tables, plan, tree, wave, log, lit, level == 0)
+            gather(tree, wave, level, count)
+            level = next_level(tree, levels, level)
+            count = take(tree, wave, level) if level > 0 else np.int64(0)
+        sum_levels(tree, wave, levels, trees)
+        develop(plan, trees, wave, film)
+        _count_rays(plan, tree, wave, trees)
+        trees, place = start_paths(tables, plan, film, tile, place, wave)
