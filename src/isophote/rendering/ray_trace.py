@@ -55,9 +55,9 @@ class RayTrace:
     `PathTrace` does that.
 
     `samples` trees of each pixel (16, or as many as it takes where `seconds` or `noise` is given) smooth edges;
-    `filter`, `pattern`, `seconds`, `noise` and `accelerator` are those of `PathTrace`. Glass shadows like any other surface. The
-    channel "rays" counts the rays of each pixel, shadow rays included. The same seed gives the same bits on every
-    machine of one kind, whatever the threads and tiles.
+    `filter`, `pattern`, `seconds`, `noise` and `accelerator` are those of `PathTrace`. Glass shadows like any
+    other surface. The channel "rays" counts the rays of each pixel, shadow rays included. The same seed gives the same
+    bits on every machine of one kind, whatever the threads and tiles.
 
     Source: Whitted, "An improved illumination model for shaded display", CACM 23(6), 1980; Cook, Porter, Carpenter,
     "Distributed ray tracing", SIGGRAPH 1984.

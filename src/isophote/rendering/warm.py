@@ -133,8 +133,8 @@ def compile_parts(parts: Sequence[str]) -> None:
 
 
 def warm_up(report: Reporter, scene: Scene, method: str) -> None:
-    """Compile what a method ("path", "ray" or "sphere") needs for a scene and is not in the cache yet, the method itself
-    here and the rest in a second process; both write to the same cache."""
+    """Compile what a method ("path", "ray" or "sphere") needs for a scene and is not in the cache yet, the method
+    itself here and the rest in a second process; both write to the same cache."""
     rest = ["first hits"] if method in ("path", "ray") else []
     meshes = [isinstance(item.shape, Mesh) for item in scene.items]
     rest += ["trees"] if any(meshes) else []
