@@ -257,11 +257,22 @@ def test_the_number_of_processors_changes_nothing(monkeypatch: pytest.MonkeyPatc
     np.testing.assert_array_equal(found[0].cells.areas, found[1].cells.areas)
 
 
-def test_many_points() -> None:
+def many_points() -> dict[str, np.ndarray]:
     rng = np.random.default_rng(3)
-    for points in (rng.random((40_000, 2)), rng.normal(size=(30_000, 2)) * 10.0 ** rng.integers(-6, 1, (30_000, 1))):
-        v = agrees_with_the_dual(points, everywhere=False)
-        assert v.cells.areas.sum() == pytest.approx(v.region.area, rel=1e-9)
+    flat = np.stack([rng.random(20_000), 1e-9 * rng.random(20_000)], axis=1)
+    rows = np.stack([rng.random(20_000), rng.integers(0, 1000, 20_000) + 1e-11 * rng.integers(0, 9, 20_000)], axis=1)
+    return {
+        "evenly": rng.random((40_000, 2)),
+        "at many scales": rng.normal(size=(30_000, 2)) * 10.0 ** rng.integers(-6, 1, (30_000, 1)),
+        "flat, and one far away": np.concatenate([flat, [(0.5, 1e3)]]),
+        "in rows that are nearly straight": rows,
+    }
+
+
+@pytest.mark.parametrize("name", many_points())
+def test_many_points(name: str) -> None:
+    v = agrees_with_the_dual(many_points()[name], everywhere=False)
+    assert v.cells.areas.sum() == pytest.approx(v.region.area, rel=1e-9)
 
 
 @pytest.mark.parametrize(

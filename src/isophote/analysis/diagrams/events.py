@@ -13,7 +13,7 @@ from isophote.analysis.arrays import read_only
 from isophote.analysis.diagrams.order import in_order
 from isophote.kernels.measure import fortune
 from isophote.kernels.measure.diagram import centres
-from isophote.kernels.measure.fortune_state import CIRCLES, DIRECTORY, OWNER, SITE, TRIANGLES, Sweep, new_sweep
+from isophote.kernels.measure.fortune_state import ARCS, CIRCLES, SITE, TRIANGLES, Sweep, new_sweep
 
 __all__ = ["SweepEvent", "sweep_events"]
 
@@ -102,9 +102,8 @@ def _unscaled(y: float, exponent: int) -> float:
 
 def _owners(sweep: Sweep) -> npt.NDArray[np.int64]:
     """The sites of the arcs, from left to right."""
-    rows = [sweep.chunks[chunk, : sweep.sizes[chunk]] for chunk in sweep.directory[: sweep.counts[DIRECTORY]]]
-    owners: npt.NDArray[np.int64] = sweep.arcs[np.concatenate(rows), OWNER].astype(np.int64)
-    return owners
+    owners = np.empty(int(sweep.counts[ARCS]), np.int64)
+    return owners[: fortune.owners(sweep.table.words, owners)]
 
 
 def _new_edges(arcs: IntArray, new: IntArray, first: bool) -> IntArray:

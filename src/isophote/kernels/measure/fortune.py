@@ -3,7 +3,8 @@
 Fortune, "A Sweepline Algorithm for Voronoi Diagrams", 1987. The sweep line goes upwards. Below the beach line, which is
 made of arcs of parabolas, it is known which site is nearest. At a site a new arc appears within another. At the top of
 the circle through the sites of three arcs side by side the middle one vanishes, and the three sites are a triangle.
-Circle events wait in a heap; one that is no more valid is known by the stamp of its arc.
+Circle events wait in lists, one for each part of the sites' height; those of the part where the sweep line is are in a
+heap. One that is no more valid is known by the stamp of its arc.
 
 Where a circle ends is rounded, so events within rounding of each other may be taken in the wrong order. Which arcs meet
 at all is decided exactly, by `orient2d`, so that what comes out is a triangulation in any case; its sides are checked
@@ -19,6 +20,7 @@ from isophote.kernels.base.predicates import orient2d
 from isophote.kernels.measure.fortune_beach import (
     append_arc,
     arc_number,
+    arc_place,
     find_arc,
     free_edge,
     insert_behind,
@@ -29,8 +31,10 @@ from isophote.kernels.measure.fortune_beach import (
 from isophote.kernels.measure.fortune_circles import top
 from isophote.kernels.measure.fortune_state import (
     ARC,
+    BUCKET,
     CIRCLES,
     EDGE,
+    FREE_WAITING,
     HEAP,
     LEFT,
     NEW_ARC,
@@ -42,9 +46,10 @@ from isophote.kernels.measure.fortune_state import (
     STAMP,
     SWEEP,
     TRIANGLES,
+    WAITING,
 )
 
-__all__ = ["advance"]
+__all__ = ["advance", "owners"]
 
 _NONE = np.int32(-1)
 _STAMP_BITS = np.int64(32)
@@ -65,10 +70,54 @@ def _rise(times, events, i, time, event):
 
 
 @exact_device
-def _push(s, time, arc):
+def _push(s, time, event):
+    """Put an event into the heap."""
     i = s.counts[HEAP]
     s.counts[HEAP] = i + 1
-    _rise(s.times, s.events, i, time, (arc_number(s, arc, STAMP) << _STAMP_BITS) | np.int64(arc))
+    _rise(s.times, s.events, i, time, event)
+
+
+@exact_device
+def _bucket(s, time):
+    """The bucket that events of a time wait in."""
+    at = (time - s.frame[2]) * s.frame[3]
+    last = s.buckets.rows - 1
+    return np.int64(at) if at < last else last
+
+
+@exact_device
+def _enter(s, time, arc):
+    """Enter the event of an arc: into the heap, or the bucket where it is to wait."""
+    event = (arc_number(s, arc, STAMP) << _STAMP_BITS) | np.int64(arc)
+    bucket = _bucket(s, time)
+    if bucket <= s.counts[BUCKET]:
+        _push(s, time, event)
+        return
+    i = s.counts[FREE_WAITING]
+    if i >= 0:
+        s.counts[FREE_WAITING] = s.behind[i]
+    else:
+        i = s.counts[WAITING]
+        s.counts[WAITING] = i + 1
+    s.due[i], s.waiting[i] = time, event
+    s.behind[i] = s.buckets[bucket]
+    s.buckets[bucket] = i
+
+
+@exact_device
+def _next_bucket(s):
+    """Put what is still valid of the events of the next bucket into the heap."""
+    bucket = s.counts[BUCKET] + 1
+    s.counts[BUCKET] = bucket
+    i = np.int64(s.buckets[bucket])
+    while i >= 0:
+        event = s.waiting[i]
+        if _is_valid(s, event):
+            _push(s, s.due[i], event)
+        following = np.int64(s.behind[i])
+        s.behind[i] = s.counts[FREE_WAITING]
+        s.counts[FREE_WAITING] = i
+        i = following
 
 
 @exact_device
@@ -94,13 +143,22 @@ def _pop(s):
 
 
 @exact_device
-def _drop_cancelled(s):
-    """Take events that are no more valid off the front of the heap."""
-    while s.counts[HEAP] > 0:
-        event = s.events[0]
-        if arc_number(s, event & _ARC_MASK, STAMP) == event >> _STAMP_BITS:
-            return
-        _pop(s)
+def _is_valid(s, event):
+    return arc_number(s, event & _ARC_MASK, STAMP) == event >> _STAMP_BITS
+
+
+@exact_device
+def _has_circle(s, y):
+    """Whether a valid event is due before the sweep line is higher than y; it is the first of the heap then."""
+    last = _bucket(s, y)
+    while True:
+        while s.counts[HEAP] > 0:
+            if _is_valid(s, s.events[0]):
+                return s.times[0] <= y
+            _pop(s)
+        if s.counts[BUCKET] >= last:
+            return False
+        _next_bucket(s)
 
 
 @exact_device
@@ -120,10 +178,11 @@ def _expect_circle(s, b):
     a, c = arc_number(s, b, LEFT), arc_number(s, b, RIGHT)
     if a < 0 or c < 0:
         return
-    ax, ay, bx, by = s.places[2 * a], s.places[2 * a + 1], s.places[2 * b], s.places[2 * b + 1]
-    cx, cy = s.places[2 * c], s.places[2 * c + 1]
+    ax, ay = arc_place(s, a)
+    bx, by = arc_place(s, b)
+    cx, cy = arc_place(s, c)
     if (ax != cx or ay != cy) and orient2d(ax, ay, bx, by, cx, cy) > 0:
-        _push(s, top(ax, ay, bx, by, cx, cy), b)
+        _enter(s, top(ax, ay, bx, by, cx, cy), b)
 
 
 @exact_device
@@ -209,20 +268,30 @@ def advance(table, events):
     s = _open_sweep(table)
     time = np.nan
     for _ in range(events):
-        _drop_cancelled(s)
         site = s.counts[SITE]
-        if 2 * site < s.sites.rows:
-            y = s.sites[2 * site + 1]
+        y = s.sites[2 * site + 1] if 2 * site < s.sites.rows else np.inf
+        if site > 0 and _has_circle(s, y):
+            time = s.times[0]
+            _circle_event(s)
+        elif 2 * site < s.sites.rows:
             if site == 0:
                 _first_row(s)
-                time = y
-                continue
-            if s.counts[HEAP] == 0 or s.times[0] > y:
+            else:
                 _site_event(s)
-                time = y
-                continue
-        elif s.counts[HEAP] == 0:
+            time = y
+        else:
             return time
-        time = s.times[0]
-        _circle_event(s)
     return time
+
+
+@exact_kernel
+def owners(table, found):
+    """Write the sites of the arcs of the beach line, from left to right; returns how many."""
+    s = _open_sweep(table)
+    count = 0
+    arc = np.int64(s.firsts[s.directory[0]])
+    while arc >= 0:
+        found[count] = arc_number(s, arc, OWNER)
+        count += 1
+        arc = arc_number(s, arc, RIGHT)
+    return count

@@ -1,9 +1,9 @@
 """The beach line of Fortune's sweep: arcs in a list from left to right, and in chunks that are searched by halving.
 
 Arcs are linked to their neighbours. An arc above a site is looked for near the one that came last at about the same x;
-where that is too far, by halving: arcs also stand in chunks of `CHUNK` at most, and the chunks in a directory. So to
-find one takes few steps mostly, and at worst a logarithmic number; to insert or remove one moves part of a chunk, and
-seldom part of the directory.
+where that is too far, by halving: stretches of at most `CHUNK` arcs are chunks, whose first arcs stand in a directory.
+So to find one takes few steps mostly, and at worst a logarithmic number; to insert or remove one takes a few, and
+seldom moves part of the directory.
 """
 
 from __future__ import annotations
@@ -27,18 +27,38 @@ from isophote.kernels.measure.fortune_state import (
     LEFT,
     OWNER,
     RIGHT,
+    X,
+    Y,
 )
 
+# Doubles of an arc.
+_PLACE = ARC // 2
 # As far along the list is walked from a hint before all arcs are searched.
 _FAR = np.int64(12)
 
-__all__ = ["append_arc", "arc_number", "find_arc", "free_edge", "insert_behind", "new_arc", "new_edge", "remove_arc"]
+__all__ = [
+    "append_arc",
+    "arc_number",
+    "arc_place",
+    "find_arc",
+    "free_edge",
+    "insert_behind",
+    "new_arc",
+    "new_edge",
+    "remove_arc",
+]
 
 
 @exact_device
 def arc_number(s, arc, which):
     """One of the numbers of an arc."""
     return np.int64(s.arcs[ARC * arc + which])
+
+
+@exact_device
+def arc_place(s, arc):
+    """The site of an arc."""
+    return s.places[_PLACE * arc + X], s.places[_PLACE * arc + Y]
 
 
 @exact_device
@@ -51,7 +71,7 @@ def new_arc(s, site):
         arc = s.counts[ARCS]
         s.counts[ARCS] = arc + 1
     s.arcs[ARC * arc + OWNER] = site
-    s.places[2 * arc], s.places[2 * arc + 1] = s.sites[2 * site], s.sites[2 * site + 1]
+    s.places[_PLACE * arc + X], s.places[_PLACE * arc + Y] = s.sites[2 * site], s.sites[2 * site + 1]
     return arc
 
 
@@ -79,7 +99,8 @@ def free_edge(s, edge):
 def _is_left(s, b, x, y):
     """Whether (x, y), on the sweep line, lies to the left of the breakpoint between arc b and the arc before it."""
     a = arc_number(s, b, LEFT)
-    ax, ay, bx, by = s.places[2 * a], s.places[2 * a + 1], s.places[2 * b], s.places[2 * b + 1]
+    ax, ay = arc_place(s, a)
+    bx, by = arc_place(s, b)
     # The younger parabola is the narrower one, ahead between two breakpoints. Its site tells which of them this is.
     if ay < by and x >= bx:
         return False
@@ -120,28 +141,25 @@ def find_arc(s, x, y):
 
 @exact_device
 def _search(s, x, y):
-    """The arc above (x, y), by halving the directory, and then a chunk."""
+    """The arc above (x, y): by halving the directory, and then from arc to arc of a chunk."""
     low, high = np.int64(0), s.counts[DIRECTORY]
     while high - low > 1:
         middle = (low + high) >> 1
-        if _is_left(s, np.int64(s.chunks[CHUNK * s.directory[middle]]), x, y):
+        if _is_left(s, np.int64(s.firsts[s.directory[middle]]), x, y):
             high = middle
         else:
             low = middle
-    chunk = np.int64(s.directory[low])
-    low, high = np.int64(0), np.int64(s.sizes[chunk])
-    while high - low > 1:
-        middle = (low + high) >> 1
-        if _is_left(s, np.int64(s.chunks[CHUNK * chunk + middle]), x, y):
-            high = middle
-        else:
-            low = middle
-    return np.int64(s.chunks[CHUNK * chunk + low])
+    arc = np.int64(s.firsts[s.directory[low]])
+    while True:
+        following = arc_number(s, arc, RIGHT)
+        if following < 0 or _is_left(s, following, x, y):
+            return arc
+        arc = following
 
 
 @exact_device
-def _new_chunk(s, place):
-    """A chunk, entered in the directory at a place."""
+def _new_chunk(s, place, first):
+    """A chunk from an arc on, still without any, entered in the directory at a place."""
     chunk = s.counts[FREE_CHUNK]
     if chunk >= 0:
         s.counts[FREE_CHUNK] = s.sizes[chunk]
@@ -152,20 +170,23 @@ def _new_chunk(s, place):
         s.directory[i] = s.directory[i - 1]
     s.directory[place] = chunk
     s.counts[DIRECTORY] += 1
+    s.firsts[chunk], s.sizes[chunk] = first, 0
     return chunk
 
 
 @exact_device
 def _halve(s, chunk):
     """Move the right half of a chunk to a new one behind it."""
-    other = _new_chunk(s, _place_in_directory(s, chunk) + 1)
-    kept = s.sizes[chunk] >> 1
-    moved = s.sizes[chunk] - kept
-    for i in range(moved):
-        arc = np.int64(s.chunks[CHUNK * chunk + kept + i])
-        s.chunks[CHUNK * other + i] = arc
+    size = s.sizes[chunk]
+    kept = size >> 1
+    arc = np.int64(s.firsts[chunk])
+    for _ in range(kept):
+        arc = arc_number(s, arc, RIGHT)
+    other = _new_chunk(s, _place_in_directory(s, chunk) + 1, arc)
+    for _ in range(size - kept):
         s.arcs[ARC * arc + IN_CHUNK] = other
-    s.sizes[other], s.sizes[chunk] = moved, kept
+        arc = arc_number(s, arc, RIGHT)
+    s.sizes[other], s.sizes[chunk] = size - kept, kept
 
 
 @exact_device
@@ -177,23 +198,13 @@ def _place_in_directory(s, chunk):
 
 
 @exact_device
-def _place_in_chunk(s, arc, chunk):
-    chunks = s.chunks
-    i = CHUNK * chunk
-    while chunks[i] != arc:
-        i += 1
-    return i
-
-
-@exact_device
 def append_arc(s, last, arc):
     """Put an arc at the right end of the beach line, behind `last` (-1: it is the first)."""
     place = s.counts[DIRECTORY] - 1
     if place < 0 or s.sizes[s.directory[place]] == CHUNK:
         place += 1
-        s.sizes[_new_chunk(s, place)] = 0
+        _new_chunk(s, place, arc)
     chunk = np.int64(s.directory[place])
-    s.chunks[CHUNK * chunk + s.sizes[chunk]] = arc
     s.sizes[chunk] += 1
     s.arcs[ARC * arc + IN_CHUNK] = chunk
     s.arcs[ARC * arc + LEFT], s.arcs[ARC * arc + RIGHT] = last, np.int64(-1)
@@ -204,39 +215,32 @@ def append_arc(s, last, arc):
 @exact_device
 def insert_behind(s, arc, first, second):
     """Put two arcs to the right of an arc."""
-    if s.sizes[arc_number(s, arc, IN_CHUNK)] + 2 > CHUNK:
-        _halve(s, arc_number(s, arc, IN_CHUNK))
     chunk = arc_number(s, arc, IN_CHUNK)
-    at = _place_in_chunk(s, arc, chunk) + 1
-    chunks = s.chunks
-    for i in range(CHUNK * chunk + s.sizes[chunk] - 1, at - 1, -1):
-        chunks[i + 2] = chunks[i]
-    chunks[at], chunks[at + 1] = first, second
-    s.sizes[chunk] += 2
     s.arcs[ARC * first + IN_CHUNK] = s.arcs[ARC * second + IN_CHUNK] = chunk
-    s.hints[_hint(s, s.places[2 * first])] = first
+    s.hints[_hint(s, s.places[_PLACE * first + X])] = first
     after = arc_number(s, arc, RIGHT)
     s.arcs[ARC * arc + RIGHT], s.arcs[ARC * first + LEFT] = first, arc
     s.arcs[ARC * first + RIGHT], s.arcs[ARC * second + LEFT] = second, first
     s.arcs[ARC * second + RIGHT] = after
     if after >= 0:
         s.arcs[ARC * after + LEFT] = second
+    s.sizes[chunk] += 2
+    if s.sizes[chunk] > CHUNK:
+        _halve(s, chunk)
 
 
 @exact_device
 def remove_arc(s, arc):
     """Take an arc that has neighbours off the beach line, and give it back."""
     chunk = arc_number(s, arc, IN_CHUNK)
-    last = s.sizes[chunk] - 1
-    chunks = s.chunks
-    for i in range(_place_in_chunk(s, arc, chunk), CHUNK * chunk + last):
-        chunks[i] = chunks[i + 1]
-    s.sizes[chunk] = last
-    if last == 0:
-        _drop_chunk(s, chunk)
     left, right = arc_number(s, arc, LEFT), arc_number(s, arc, RIGHT)
     s.arcs[ARC * left + RIGHT], s.arcs[ARC * right + LEFT] = right, left
-    hint = _hint(s, s.places[2 * arc])
+    s.sizes[chunk] -= 1
+    if s.sizes[chunk] == 0:
+        _drop_chunk(s, chunk)
+    elif s.firsts[chunk] == arc:
+        s.firsts[chunk] = right
+    hint = _hint(s, s.places[_PLACE * arc + X])
     if s.hints[hint] == arc:
         s.hints[hint] = left
     s.arcs[ARC * arc + OWNER] = FREE
