@@ -32,8 +32,8 @@ def voronoi(
 
     `bounds` are the corners of a simple polygon, (k, 2); without them, the box of the points with some room. From a
     Delaunay triangulation by dividing and conquering, on all processors; or with `method="sweep"` by Fortune's sweep
-    ("A Sweepline Algorithm for Voronoi Diagrams", 1987), which takes three times as long. What comes out is the same
-    but for the order of vertices and edges. Which sites share an edge or a vertex is exact for all finite doubles;
+    ("A Sweepline Algorithm for Voronoi Diagrams", 1987), on one of them. What comes out is the same but for the order
+    of vertices and edges. Which sites share an edge or a vertex is exact for all finite doubles;
     vertices are rounded. Equal points are one site. Raises `GeometryError` for other shapes, coordinates that are not
     finite, and bounds that cross themselves or enclose nothing.
     """
