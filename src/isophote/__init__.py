@@ -12,6 +12,7 @@ __version__ = "0.1.0"
 
 # Public name → the module that defines it.
 _HOME = {
+    "AmbientOcclusion": "rendering.occlusion.picture",
     "Attribute": "shapes.mesh",
     "Camera": "scene.camera",
     "DiskLight": "scene.light",
@@ -34,6 +35,7 @@ _HOME = {
     "Mesh": "shapes.mesh",
     "Metal": "scene.metal",
     "Mirror": "scene.material",
+    "Occlusion": "rendering.occlusion.points",
     "OrthographicCamera": "scene.camera",
     "Parameter": "shapes.field.expression",
     "PathTrace": "rendering.path_trace",
@@ -53,6 +55,7 @@ _HOME = {
     "Texture": "scene.texture",
     "Tracer": "rendering.tracer",
     "Transform": "scene.transform",
+    "ambient_occlusion": "rendering.occlusion.points",
     "arc": "shapes.field.field2",
     "box": "shapes.field.solids",
     "capped_torus": "shapes.field.rounds",
@@ -89,6 +92,7 @@ _HOME = {
     "segment": "shapes.field.field2",
     "simplify": "convert.simplify",
     "slab": "shapes.field.solids",
+    "screen_occlusion": "rendering.occlusion.screen",
     "sphere": "shapes.field.solids",
     "star": "shapes.field.field2",
     "studio": "scene.studio",

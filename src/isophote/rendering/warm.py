@@ -64,6 +64,13 @@ def _ray_tracer() -> None:
     ray_trace.ray_trace_tile(*before, wave.new_wave(1).words, *after, 0, 0, 0, 0)
 
 
+def _occlusion() -> None:
+    from isophote.kernels.trace import occlusion_picture
+
+    words = (_words(table) for table in (tables.SCENE, tables.PLAN, occlusion_picture.SKY, tables.FILM))
+    occlusion_picture.occlusion_tile(*words, wave.new_wave(1).words, 0, 0, 0, 0)
+
+
 def _sphere_tracer() -> None:
     from isophote.kernels.trace import sphere_trace
 
@@ -106,6 +113,7 @@ class _Part(NamedTuple):
 _PARTS = {
     "path": _Part("trace/path.py", "path_trace_tile", _path_tracer),
     "ray": _Part("trace/ray_trace.py", "ray_trace_tile", _ray_tracer),
+    "occlusion": _Part("trace/occlusion_picture.py", "occlusion_tile", _occlusion),
     "sphere": _Part("trace/sphere_trace.py", "sphere_trace_tile", _sphere_tracer),
     "first hits": _Part("trace/first_hit.py", "first_hits", _first_hits),
     "trees": _Part("accel/build_wide.py", "fill_blocks", _trees),
@@ -133,9 +141,9 @@ def compile_parts(parts: Sequence[str]) -> None:
 
 
 def warm_up(report: Reporter, scene: Scene, method: str) -> None:
-    """Compile what a method ("path", "ray" or "sphere") needs for a scene and is not in the cache yet, the method
-    itself here and the rest in a second process; both write to the same cache."""
-    rest = ["first hits"] if method in ("path", "ray") else []
+    """Compile what a method ("path", "ray", "occlusion" or "sphere") needs for a scene and is not in the cache yet, the
+    method itself here and the rest in a second process; both write to the same cache."""
+    rest = [] if method == "sphere" else ["first hits"]
     meshes = [isinstance(item.shape, Mesh) for item in scene.items]
     rest += ["trees"] if any(meshes) else []
     rest += ["fields"] if not all(meshes) else []

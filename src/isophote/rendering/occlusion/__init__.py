@@ -1,0 +1,1 @@
+"""Ambient occlusion: at points, in pictures, from depth, and baked into textures."""

@@ -1,0 +1,143 @@
+"""Ambient occlusion as a method."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import attrs
+import numpy as np
+
+from isophote.errors import RenderError
+from isophote.kernels.base import sampler
+from isophote.kernels.base.table import Packed
+from isophote.kernels.light import film as film_kernels
+from isophote.kernels.trace.occlusion_picture import SKY, occlusion_tile
+from isophote.kernels.trace.tables import FILM, PLAN
+from isophote.kernels.trace.wave import new_wave
+from isophote.lower.field_table import scratch_words
+from isophote.lower.scene import lower_scene
+from isophote.rendering.image import Image
+from isophote.rendering.method import Array, Job, first_hit_channels
+from isophote.rendering.occlusion.points import checked_reach
+from isophote.rendering.occlusion.screen import screen_occlusion
+from isophote.rendering.pool import Pool, Tile, tiles_of
+from isophote.rendering.warm import warm_up
+
+__all__ = ["AmbientOcclusion"]
+
+_WAYS = ("rays", "horizon", "classic")
+_MOST_SAMPLES = 2**20
+_TILE = 32
+_WAVE = 1040
+# Half of the samples of a pixel go to each side of a slice, four slices through a pixel.
+_SLICES = 4
+# Reach of what is told from depth where none is given, in parts of the finite items' diagonal.
+_REACH = 1 / 8
+
+
+def _samples(method: Any, attribute: attrs.Attribute[Any], value: object) -> None:
+    if isinstance(value, bool) or not isinstance(value, int | np.integer) or not 1 <= value <= _MOST_SAMPLES:
+        raise RenderError(
+            f"AmbientOcclusion: samples must be a whole number from 1 to {_MOST_SAMPLES:,}, not {value!r}"
+        )
+
+
+def _way(method: Any, attribute: attrs.Attribute[Any], value: object) -> None:
+    if value not in _WAYS:
+        raise RenderError(f"AmbientOcclusion: by must be one of {', '.join(map(repr, _WAYS))}, not {value!r}")
+
+
+def _reach(method: Any, attribute: attrs.Attribute[Any], value: Any) -> None:
+    checked_reach(value)
+
+
+@attrs.frozen
+class AmbientOcclusion:
+    """How open the sky is above what is seen, V = 1/π ∫ v cosθ dω, as greys: white is open, black closed.
+
+    `by="rays"` traces `samples` random rays a pixel, each from its own place within the pixel, of at most
+    `max_distance` metres (None: however long); the channel "bent_normal" is the mean direction of the free ones.
+    `by="horizon"` and `by="classic"` take no rays but those of the camera: they find what is in the way in the depth of
+    the pixels around, as real-time renderers do, within `max_distance` (None: an eighth of the scene's diagonal); see
+    `screen_occlusion`. Lights, materials and what only they show play no part. The channel "visibility" is the grey.
+    """
+
+    samples: int = attrs.field(default=64, validator=_samples)
+    max_distance: float | None = attrs.field(default=None, validator=_reach)
+    by: str = attrs.field(default="rays", validator=_way)
+
+    def render(self, job: Job) -> Image:
+        """The picture of occlusion."""
+        warm_up(job.report, job.scene, "occlusion")
+        began = time.monotonic()
+        job.report("building the tree", 0.0)
+        scene = lower_scene(job.scene.with_(lights=()), job.size, job.threads)
+        job.report("building the tree", 1.0)
+        pool = Pool(job.threads)
+        channels = dict(first_hit_channels(scene, job.size, Pool(job.threads)))
+        traced = self._traced(scene, job, pool) if self.by == "rays" else self._from_depth(job, channels)
+        metadata = {"method": repr(self), "seed": str(job.seed), "seconds": f"{time.monotonic() - began:.3f}"}
+        if pool.interrupted:
+            metadata["stopped"] = "interrupted before all samples were taken"
+        grey = traced["visibility"]
+        return Image({"colour": np.repeat(grey[..., None], 3, axis=2), **channels, **traced}, metadata)
+
+    def _traced(self, scene: Packed, job: Job, pool: Pool) -> dict[str, Array]:
+        width, height = job.size
+        film = FILM.pack(
+            total=np.zeros((height, 3 * width)),
+            squares=np.zeros((height, 3 * width)),
+            count=np.zeros((height, width), np.int64),
+        )
+        plan = PLAN.pack(
+            width=width,
+            height=height,
+            samples=self.samples,
+            seed=job.seed,
+            pattern=sampler.SOBOL,
+            filter=film_kernels.BOX,
+            max_depth=1,
+            roulette_depth=1,
+        )
+        bent = np.zeros((height, 3 * width))
+        sky = SKY.pack(reach=checked_reach(self.max_distance), bent=bent)
+        waves = [new_wave(_WAVE, scratch_words(scene.arrays["fields"])) for _ in range(pool.threads)]
+        tiles = tiles_of(job.size, _TILE)
+
+        def work(tile: Tile, thread: int) -> None:
+            occlusion_tile(scene.words, plan.words, sky.words, film.words, waves[thread].words, *tile)
+
+        pool.run(work, tiles, lambda done: job.report("ambient occlusion", done / len(tiles)))
+        return _developed(film, bent.reshape(height, width, 3))
+
+    def _from_depth(self, job: Job, channels: dict[str, Array]) -> dict[str, Array]:
+        camera = job.scene.camera
+        if camera is None:
+            raise RenderError("AmbientOcclusion: the scene has no camera")
+        grey = np.ones((*job.size[::-1], 3), np.float32)
+        seen = Image({"colour": grey, "depth": channels["depth"], "normal": channels["normal"]})
+        radius = _REACH * _extent(job) if self.max_distance is None else self.max_distance
+        samples = self.samples if self.by == "classic" else max(1, self.samples // (2 * _SLICES))
+        open_sky = screen_occlusion(
+            seen, camera, radius, by=self.by, samples=samples, slices=_SLICES, seed=job.seed, threads=job.threads
+        )
+        return {"visibility": open_sky}
+
+
+def _developed(film: Packed, bent: Array) -> dict[str, Array]:
+    count = np.maximum(film.arrays["count"], 1)[..., None]
+    shape = (*film.arrays["count"].shape, 3)
+    mean = film.arrays["total"].reshape(shape)[..., 0] / count[..., 0]
+    length = np.linalg.norm(bent, axis=2, keepdims=True)
+    mean_direction = np.divide(bent, length, out=np.zeros_like(bent), where=length > 0)
+    return {"visibility": mean.astype(np.float32), "bent_normal": mean_direction.astype(np.float32)}
+
+
+def _extent(job: Job) -> float:
+    """Diagonal of what is finite in the scene, without what is flat as a ground; 1 where nothing is."""
+    boxes = [item.bounds for item in job.scene.items]
+    solid = [box for box in boxes if np.isfinite(box).all() and (box[1] > box[0]).all()]
+    if not solid:
+        return 1.0
+    return float(np.linalg.norm(np.max([b[1] for b in solid], axis=0) - np.min([b[0] for b in solid], axis=0)))
