@@ -17,6 +17,11 @@ from isophote.shapes.field.tape import numpy_values
 RNG = np.random.default_rng(11)
 
 
+def followed(shape: iso.Field) -> iso.Field:
+    """The same shape, followed as a field: a bare solid is traced as an exact primitive, one that was offset is not."""
+    return shape.offset(0)
+
+
 def rays(count: int, reach: float = 3.0, within: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
     """Single-precision rays from a sphere of radius `reach` to points in a ball, and from within that ball."""
     origins = RNG.normal(size=(count, 3))
@@ -74,11 +79,11 @@ def plane_roots(o: np.ndarray, d: np.ndarray) -> np.ndarray:
 
 
 SHAPES: dict[str, tuple[Callable[[], iso.Field], Callable[[np.ndarray, np.ndarray], np.ndarray]]] = {
-    "sphere": (lambda: iso.sphere(0.8), sphere_roots),
-    "box": (lambda: iso.box((1.0, 0.6, 1.4)), box_roots),
-    "torus": (lambda: iso.torus(0.7, 0.25), torus_roots),
-    "cylinder": (lambda: iso.cylinder(0.4), cylinder_roots),
-    "plane": (iso.plane, plane_roots),
+    "sphere": (lambda: followed(iso.sphere(0.8)), sphere_roots),
+    "box": (lambda: followed(iso.box((1.0, 0.6, 1.4))), box_roots),
+    "torus": (lambda: followed(iso.torus(0.7, 0.25)), torus_roots),
+    "cylinder": (lambda: followed(iso.cylinder(0.4)), cylinder_roots),
+    "plane": (lambda: followed(iso.plane()), plane_roots),
 }
 
 
@@ -119,8 +124,8 @@ def test_a_field_may_have_any_size_and_stand_anywhere(scale: float, offset: floa
     move = np.array([1.0, -0.7, 0.4]) * offset * scale
     o, d = rays(2000)
     expected = first_positive(sphere_roots(o.astype(np.float64), d.astype(np.float64))) * scale
-    inside = iso.Tracer(iso.sphere(0.8 * scale).translate(move))
-    placed = iso.Tracer(iso.Item(iso.sphere(0.8)).scale(scale).translate(move))
+    inside = iso.Tracer(followed(iso.sphere(0.8 * scale)).translate(move))
+    placed = iso.Tracer(iso.Item(followed(iso.sphere(0.8))).scale(scale).translate(move))
     origins = (o * scale + move).astype(np.float32)
     # Single precision moves a ray this far sideways, and a grazing one by its root.
     slip = 4e-7 * (1 + offset)
@@ -139,7 +144,7 @@ def test_an_item_that_is_stretched_is_an_ellipsoid() -> None:
     inverse = np.linalg.inv(transform.matrix)
     local_o, local_d = o @ inverse[:3, :3].T + inverse[:3, 3], d @ inverse[:3, :3].T
     expected = first_positive(sphere_roots(local_o, local_d))
-    hits = iso.Tracer(iso.Item(iso.sphere(0.8), transform=transform)).closest(o, d)
+    hits = iso.Tracer(iso.Item(followed(iso.sphere(0.8)), transform=transform)).closest(o, d)
     assert (np.isfinite(expected) != hits.hit).sum() <= 2
     both = hits.hit & np.isfinite(expected)
     assert np.abs(hits.distance - expected)[both].max() < 1e-4
@@ -231,7 +236,7 @@ def test_trees_are_the_same_for_any_threads() -> None:
 def test_many_items_are_found_through_the_tree_over_their_boxes() -> None:
     """Against each of them alone, meshes among them."""
     rng = np.random.default_rng(3)
-    ball, cube = iso.sphere(0.12), iso.box(0.2)
+    ball, cube = followed(iso.sphere(0.12)), followed(iso.box(0.2))
     mesh = iso.Mesh([(-1, -1, 0), (1, -1, 0), (0, 1, 0)], [(0, 1, 2)])
     items = [
         iso.Item(ball if i % 2 else cube).rotate((1, 1, 0), 0.3 * i).translate(place)
@@ -250,14 +255,14 @@ def test_many_items_are_found_through_the_tree_over_their_boxes() -> None:
 
 
 def test_a_limit_hides_what_lies_beyond() -> None:
-    tracer = iso.Tracer(iso.sphere(1))
+    tracer = iso.Tracer(followed(iso.sphere(1)))
     assert tracer.closest([0, 0, 3], [0, 0, -1], 1.9).item[0] == -1
     assert tracer.closest([0, 0, 3], [0, 0, -1], 2.1).distance[0] == pytest.approx(2, abs=1e-6)
     assert not tracer.occluded([0, 0, 3], [0, 0, -1], 1.9)[0]
 
 
 def test_endless_fields_end_at_a_stated_distance() -> None:
-    scene = iso.Scene([iso.Item(iso.plane()), iso.Item(iso.sphere(0.5).translate((0, 0.5, 0)))])
+    scene = iso.Scene([iso.Item(followed(iso.plane())), iso.Item(iso.sphere(0.5).translate((0, 0.5, 0)))])
     tracer = iso.Tracer(scene)
     grazing = tracer.closest([0, 1, 5], [0, -0.01, 1])
     assert grazing.distance[0] == pytest.approx(100, rel=1e-5)

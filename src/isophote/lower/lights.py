@@ -27,6 +27,7 @@ from isophote.scene.light import (
     Sun,
 )
 from isophote.shapes.mesh import Mesh
+from isophote.shapes.primitive.primitive import Primitive
 
 __all__ = ["LightTable", "rectangle_mesh"]
 
@@ -37,6 +38,8 @@ _LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 _COLUMNS = 18
 # A quad counts as a parallelogram if its fourth corner is where the others put it, to this part of its size.
 _FLAT = 1e-6
+# Spheres and disks are round to this part of their size.
+_ROUND = 1e-6
 # Numbers that pick a light are multiples of one part in so many.
 _STEPS = 2**24
 
@@ -58,6 +61,7 @@ class LightTable:
         self._count = 0
         self._constant = np.zeros(3)
         self._picture: Environment | None = None
+        self._of_items: list[int] = []
         self._picture_number = -1
 
     def _add(self, kind: int, power: npt.ArrayLike, number: int = -1, **fields: Any) -> int:
@@ -182,6 +186,38 @@ class LightTable:
             two_sided=light.two_sided,
         )
 
+    def add_primitive(self, primitive: Primitive, radiance: Colour, two_sided: bool, number: int) -> int:
+        """The light that a shining primitive is, where it is a sphere or a round disk; otherwise −1, for it is only met
+        by chance. Rays meet it as the item that it is."""
+        linear, place = primitive.matrix[:3, :3], primitive.matrix[:3, 3]
+        edges = linear if primitive.kind == "ball" else linear[:, [0, 2]]
+        radius = float(np.linalg.norm(edges[:, 0]))
+        is_round = np.abs(edges.T @ edges - radius**2 * np.eye(edges.shape[1])).max() <= _ROUND * radius**2
+        if primitive.kind not in ("ball", "disk") or not is_round:
+            return -1
+        sides = 2 if two_sided else 1
+        luminance = float(_LUMINANCE @ radiance)
+        if primitive.kind == "ball":
+            power = math.pi * 4 * math.pi * radius**2 * luminance
+            light = self._add(emitter.SPHERE, power, number, place=place, radius=radius, radiance=radiance)
+        else:
+            area = math.pi * radius**2
+            normal = np.linalg.inv(linear)[1]
+            light = self._add(
+                emitter.DISK,
+                math.pi * area * sides * luminance,
+                number,
+                place=place,
+                edge1=linear[:, 0],
+                edge2=linear[:, 2],
+                normal=normal / np.linalg.norm(normal),
+                radiance=radiance,
+                area=area,
+                two_sided=two_sided,
+            )
+        self._of_items.append(light)
+        return light
+
     def build(self, reach: float) -> Packed:
         """The table; a picture of the sky, if there is one, is its last row."""
         environment, power = _lower_environment(self._constant, self._picture)
@@ -192,6 +228,7 @@ class LightTable:
         powers = np.concatenate([np.zeros(0), *self._power])
         groups, shares = _groups(kinds, numbers, powers)
         lamps = np.flatnonzero((kinds == emitter.DISK) | (kinds == emitter.SPHERE))
+        lamps = np.setdiff1d(lamps, self._of_items)
         return LIGHTS.pack(
             kinds=kinds,
             values=np.concatenate([np.zeros((0, _COLUMNS)), *self._rows]).astype(np.float32),

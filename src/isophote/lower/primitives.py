@@ -124,7 +124,9 @@ def _check(parts: Sequence[PrimitivePart], boxes: Floats, finite: npt.NDArray[np
         )
 
 
-def _tree(boxes: Floats, finite: npt.NDArray[np.bool_]) -> tuple[npt.NDArray[np.int32], dict[str, npt.NDArray[np.generic]]]:
+def _tree(
+    boxes: Floats, finite: npt.NDArray[np.bool_]
+) -> tuple[npt.NDArray[np.int32], dict[str, npt.NDArray[np.generic]]]:
     """Primitives that stand alone, and the tree over the boxes of the others."""
     if finite.sum() <= _FEW:
         none = {"top_nodes": np.zeros(0, np.float32), "top_items": np.zeros(0, np.int32)}

@@ -96,7 +96,7 @@ class SphereTrace:
         warm_up(job.report, job.scene, "sphere")
         began = time.monotonic()
         job.report("building the tree", 0.0)
-        scene = lower_scene(job.scene, job.size, job.threads)
+        scene = lower_scene(job.scene, job.size, job.threads, marched=True)
         job.report("building the tree", 1.0)
         channels = _channels(job.size)
         march = self._march(job)

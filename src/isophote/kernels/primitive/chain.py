@@ -59,4 +59,4 @@ def surface_of_primitive(primitives, origin, direction, hit, scratch):
     call_entry(primitives.surface, (table_address(primitives), element_address(scratch, _FIRST)))
     place, normal = vec3(scratch[0], scratch[1], scratch[2]), vec3(scratch[3], scratch[4], scratch[5])
     item = np.int64(primitives.numbers[hit.instance, SURFACE])
-    return Surface(place, normal, normal, scratch[6], scratch[7], scratch[8], item, np.int64(0))
+    return Surface(place, normal, normal, scratch[6], scratch[7], scratch[8], item, _SLOT - hit.slot)

@@ -62,7 +62,7 @@ def around(x, z):
 
 @device
 def roots(a, b, c, d):
-    """The roots of a t² + 2 b t + c, for d = b² − a c ≥ 0, in order: the one that does not cancel, and the other by their
+    """The roots of a t² + 2 b t + c, for d = b² − a c ≥ 0, in order: one does not cancel, the other follows from their
     product (Press et al., "Numerical Recipes", section 5.6). Where a is 0, one is infinite, on the side where the
     polynomial is below zero."""
     q = -(b + math.copysign(math.sqrt(d), b))
@@ -75,8 +75,8 @@ def roots(a, b, c, d):
 
 @device
 def within_lids(line, enter, leave):
-    """Crossings of what lies between the lids at y = 1 (part 1) and y = −1 (part 2) of a convex solid, which the line is
-    in from `enter` to `leave` (part 0)."""
+    """Crossings of a convex solid, cut off by lids at y = 1 (part 1) and y = −1 (part 2), which without them the line
+    would be in from `enter` to `leave` (part 0)."""
     y, v = line[1], line[4]
     first, last = _SIDE, _SIDE
     if v == _NOTHING:
@@ -94,8 +94,7 @@ def within_lids(line, enter, leave):
 
 @device
 def describe_lid(line, radius):
-    """A place on the lid at y = 1 (part 1) or y = −1 (part 2): u along x, v along −z seen from above, along +z seen from
-    below, 0 to 1 across the lid."""
+    """A place on the lid at y = 1 (part 1) or y = −1 (part 2): u along x, v along −z (below: z), 0 to 1 across it."""
     side = _WHOLE if line[layout.PART] == _WHOLE else -_WHOLE
     x, z = line[layout.PLACE], line[layout.PLACE + 2]
     rho, most = math.sqrt(x * x + z * z), max(radius - line[layout.SLACK], _HALF * radius)

@@ -46,9 +46,7 @@ def _box(line, own):
 
 @device
 def _value(q, x, y, z):
-    return (
-        x * (q[0] * x + q[3] * y + q[4] * z + q[6]) + y * (q[1] * y + q[5] * z + q[7]) + z * (q[2] * z + q[8]) + q[9]
-    )
+    return x * (q[0] * x + q[3] * y + q[4] * z + q[6]) + y * (q[1] * y + q[5] * z + q[7]) + z * (q[2] * z + q[8]) + q[9]
 
 
 @device

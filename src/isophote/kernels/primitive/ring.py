@@ -51,7 +51,7 @@ def _value(f, s):
 
 @device
 def _descend(f, sign, s, end):
-    """The root of `sign` f, convex and above zero at `s`, that Newton's steps lead to before `end`; infinite for none."""
+    """The root of `sign` f, convex and above zero at `s`, that Newton's steps lead to before `end`, or infinity."""
     way = 1.0 if end > s else -1.0
     for _ in range(_STEPS):
         s2 = s * s

@@ -13,7 +13,7 @@ from isophote.kernels.primitive.chain import closest_primitive, primitive_occlud
 from isophote.kernels.primitive.layout import SLOT
 from isophote.kernels.primitive.layout import SURFACE as ROW_OF_PRIMITIVE
 
-__all__ = ["closest_direct", "direct_item", "direct_occludes", "has_direct", "is_surface", "surface_of"]
+__all__ = ["closest_direct", "direct_item", "direct_occludes", "direct_part", "has_direct", "is_surface", "surface_of"]
 
 _FIELD, _PRIMITIVE = np.int64(FIELD), np.int64(SLOT)
 
@@ -43,6 +43,12 @@ def direct_item(scene, hit):
     if hit.slot > _FIELD:
         return np.int64(scene.primitives.numbers[hit.instance, ROW_OF_PRIMITIVE])
     return np.int64(scene.fields.numbers[hit.instance, ROW_OF_FIELD])
+
+
+@device
+def direct_part(hit):
+    """Number of the part of a primitive's surface that a `Hit` lies on; 0 of fields."""
+    return _PRIMITIVE - hit.slot if hit.slot > _FIELD else np.int64(0)
 
 
 @device

@@ -18,7 +18,14 @@ from isophote.kernels.base.table import BYTES, FLOAT_ROWS, FLOATS, INTS, Table
 from isophote.kernels.base.vec import vec3
 from isophote.kernels.trace import wave as rows
 from isophote.kernels.trace.batch import blocked_in_packets, closest_in_packets, in_packets
-from isophote.kernels.trace.direct import closest_direct, direct_item, direct_occludes, has_direct, surface_of
+from isophote.kernels.trace.direct import (
+    closest_direct,
+    direct_item,
+    direct_occludes,
+    direct_part,
+    has_direct,
+    surface_of,
+)
 from isophote.kernels.trace.tables import SCENE
 
 __all__ = ["QUERY", "closest_rays", "first_fault", "hit_normals", "occluded_rays"]
@@ -141,7 +148,7 @@ def _closest_direct(scene, query, wave, first, last):
             query.distance[i] = hit.t
             query.uv[i, 0] = query.uv[i, 1] = _ZERO
             query.item[i] = scene.surfaces.items[direct_item(scene, hit), PUBLIC]
-            query.primitive[i] = 0
+            query.primitive[i] = direct_part(hit)
             query.slot[i], query.instance[i] = hit.slot, hit.instance
 
 

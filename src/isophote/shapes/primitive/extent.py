@@ -33,7 +33,7 @@ def _around(d: Floats) -> Floats:
 
 
 def _endless_unless_zero(d: Floats) -> Floats:
-    return np.where(d == 0, 0.0, np.inf)
+    return np.asarray(np.where(d == 0, 0.0, np.inf))
 
 
 def _plane(d: Floats, values: Floats) -> Floats:
@@ -60,7 +60,8 @@ def _tube(d: Floats, values: Floats) -> Floats:
 
 def _cone(d: Floats, values: Floats) -> Floats:
     middle, lean = values
-    return np.maximum(_around(d) * (middle + lean) + d[:, 1], _around(d) * (middle - lean) - d[:, 1])
+    around = _around(d)
+    return np.asarray(np.maximum(around * (middle + lean) + d[:, 1], around * (middle - lean) - d[:, 1]))
 
 
 def _ring(d: Floats, values: Floats) -> Floats:
@@ -93,7 +94,7 @@ def _quadric(d: Floats, values: Floats) -> Floats:
     middle = -np.linalg.solve(matrix, np.array([g, h, i])) / 2
     level = max(float(middle @ matrix @ middle - j), 0.0)
     across = np.sqrt(level * np.einsum("ni,ij,nj->n", d, np.linalg.inv(matrix), d))
-    return np.minimum(box, d @ middle + across)
+    return np.asarray(np.minimum(box, d @ middle + across))
 
 
 _REACHES: dict[str, Reach] = {
@@ -129,7 +130,7 @@ def ball_around(primitive: Primitive) -> tuple[Floats, float]:
     if not np.isfinite(box).all():
         return np.zeros(3), np.inf
     linear, offset = primitive.matrix[:3, :3], primitive.matrix[:3, 3]
-    own = _BALLS.get(primitive.kind, lambda _, __: None)(linear, primitive.values)
+    own = _BALLS[primitive.kind](linear, primitive.values) if primitive.kind in _BALLS else None
     if own is not None:
         return offset + linear[:, 1] * own[0], own[1]
     middle = box.mean(axis=0)
@@ -160,7 +161,7 @@ def _cone_ball(linear: Floats, values: Floats) -> tuple[float, float] | None:
     width, half = np.linalg.norm(linear[:, 0]), np.linalg.norm(linear[:, 1])
     top, bottom = width * (values[0] + values[1]), width * (values[0] - values[1])
     height = float(np.clip((top**2 - bottom**2) / (4 * half), -half, half))
-    return height / half, float(max(np.hypot(top, half - height), np.hypot(bottom, half + height)))
+    return float(height / half), float(max(np.hypot(top, half - height), np.hypot(bottom, half + height)))
 
 
 def _tube_ball(linear: Floats, values: Floats) -> tuple[float, float] | None:
@@ -169,7 +170,9 @@ def _tube_ball(linear: Floats, values: Floats) -> tuple[float, float] | None:
 
 def _ring_ball(linear: Floats, values: Floats) -> tuple[float, float] | None:
     width, height = np.linalg.norm(linear[:, 0]), np.linalg.norm(linear[:, 1])
-    return (0.0, float(width * (1 + values[0]))) if _is_upright(linear) and height <= width * (1 + _ALIKE) else None
+    return (
+        (0.0, float(width) * (1 + float(values[0]))) if _is_upright(linear) and height <= width * (1 + _ALIKE) else None
+    )
 
 
 # Places on the axis y of the kind's own space, and radii in the world.

@@ -39,6 +39,10 @@ def _ring(name: str, values: npt.ArrayLike) -> Points:
     return frozen(points)
 
 
+def _outline(values: npt.ArrayLike) -> Points:
+    return _ring("Polygon: outline", values)
+
+
 def _holes(value: Sequence[Any]) -> tuple[Points, ...]:
     if isinstance(value, np.ndarray) and value.ndim == 2:
         raise GeometryError("Polygon: holes must be a list of rings; write [...] around the one")
@@ -59,7 +63,7 @@ class Polygon:
     that are not finite.
     """
 
-    outline: Points = attrs.field(converter=lambda value: _ring("Polygon: outline", value))
+    outline: Points = attrs.field(converter=_outline)
     holes: tuple[Points, ...] = attrs.field(default=(), converter=_holes)
 
     def __attrs_post_init__(self) -> None:
