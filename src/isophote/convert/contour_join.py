@@ -28,8 +28,12 @@ Spread: TypeAlias = Callable[[Callable[..., Any], Iterable[tuple[Any, ...]]], It
 
 # Triangles less than this high, in cells, may be turned over.
 LEAST_HEIGHT = 0.02
-# Bricks, and components, that a thread is given at once.
-_BRICKS, _COMPONENTS = 16, 1 << 15
+# Bricks that a thread is given at once.
+_BRICKS = 16
+# Arrays of a chunk that have a row for each cell, each edge, and each component.
+_CELLS = ("codes", "cases", "firsts")
+_EDGES = ("edges", "rings", "crossings", "normals")
+_COMPONENTS = ("parents", "roots", "levels", "places")
 
 
 class Triangles(NamedTuple):
@@ -42,24 +46,16 @@ class Triangles(NamedTuple):
 class Chunk(NamedTuple):
     """What some bricks put out; see OUTPUT of kernels/measure/contour_tables.py."""
 
-    codes: Ints
-    cases: Ints
-    firsts: Ints
-    crossings: npt.NDArray[np.float32]
-    normals: Ints
-    parents: Ints
-    levels: npt.NDArray[np.uint8]
-    places: npt.NDArray[np.float64]
+    arrays: dict[str, npt.NDArray[Any]]
     ends: Ints
 
 
 def taken(output: Packed, bricks: int) -> Chunk:
-    """Copies of what so many bricks have put out."""
-    arrays = output.arrays
-    cells, components, _ = arrays["ends"][bricks - 1].tolist()
-    lengths = {"crossings": 3 * cells, "normals": 3 * cells, "ends": bricks}
-    lengths |= dict.fromkeys(("parents", "levels", "places"), components)
-    return Chunk(*(arrays[name][: lengths.get(name, cells)].copy() for name in Chunk._fields))
+    """What so many bricks have put out, which nobody else may write to again."""
+    ends = output.arrays["ends"][:bricks]
+    cells, edges, components, _ = ends[-1].tolist()
+    lengths = dict.fromkeys(_CELLS, cells) | dict.fromkeys(_EDGES, edges) | dict.fromkeys(_COMPONENTS, components)
+    return Chunk({name: output.arrays[name][:length] for name, length in lengths.items()}, ends)
 
 
 def join(
@@ -68,11 +64,8 @@ def join(
     """Vertices and faces of all bricks."""
     if not chunks:
         return Triangles(np.zeros((0, 3)), np.zeros((0, 3), np.int32))
-    arrays = _numbered(chunks)
-    ends = [chunk.ends for chunk in chunks]
-    starts = _starts(np.concatenate([np.diff(end[:, 0], prepend=0) for end in ends]))
-    nodes = _starts(np.concatenate([np.diff(end[:, 1], prepend=0) for end in ends]))
-    edges = np.concatenate([end[:, 2] for end in ends])
+    arrays = _one_after_another(chunks, spread)
+    starts, edge_starts, nodes = (_starts(np.concatenate([_counts(chunk, k) for chunk in chunks])) for k in range(3))
     slots = np.full(int(np.prod(grid.bricks)), -1, np.int32)
     slots[bricks] = np.arange(len(bricks))
     count = len(arrays["parents"])
@@ -80,45 +73,46 @@ def join(
         "bricks": bricks,
         "slots": slots,
         "starts": starts,
+        "edge_starts": edge_starts,
         "nodes": nodes,
         "across": grid.bricks[0],
         "along": grid.bricks[1],
         "words": CASES,
         "split": np.zeros(count, np.uint8),
         "to_split": np.zeros(count, np.uint8),
-        "vertices": np.zeros(count, np.int32),
         "least_height": least_height,
         "present": np.zeros((len(bricks), BRICK**3 // 32), np.int32),
-        "ranks": np.zeros((len(bricks), BRICK**3 // 32), np.int32),
+        "ranks": np.empty((len(bricks), BRICK**3 // 32), np.int32),
     }
     tables = contour_faces.FACES.pack(**arrays, **fixed)
-    _spread_out(spread, contour_faces.index_bricks, tables, len(bricks), _BRICKS)
-    tables = _mended(tables)
-    triangles = np.concatenate(_faces(tables, edges, grid, spread, report))
+    jobs = ((tables.words, a, min(a + _BRICKS, len(bricks))) for a in range(0, len(bricks), _BRICKS))
+    list(spread(contour_faces.index_bricks, jobs))
+    if any(chunk.ends[:, 3].any() for chunk in chunks):
+        tables = _mended(tables)
+    triangles = np.concatenate(_faces(tables, grid, spread, report))
     places = tables.arrays["places"]
     numbers, vertices = np.zeros(len(places), np.int32), np.empty_like(places)
     count = contour_faces.put_together(places, grid.cell, grid.low, triangles, numbers, vertices)
     return Triangles(vertices[:count].copy(), triangles)
 
 
+def _counts(chunk: Chunk, column: int) -> Ints:
+    """How many cells, edges or components each brick of a chunk has."""
+    return np.diff(chunk.ends[:, column], prepend=0)
+
+
 def _starts(counts: npt.NDArray[Any]) -> Longs:
     return np.concatenate([np.zeros(1, np.int64), np.cumsum(counts, dtype=np.int64)])
 
 
-def _numbered(chunks: list[Chunk]) -> dict[str, npt.NDArray[Any]]:
-    """The chunks' arrays one after another, with components numbered through."""
-    before = _starts(np.array([len(chunk.parents) for chunk in chunks]))
-    names = ("codes", "cases", "crossings", "normals", "levels", "places")
-    arrays = {name: np.concatenate([getattr(chunk, name) for chunk in chunks]) for name in names}
-    pairs = list(zip(chunks, before.astype(np.int32), strict=False))
-    arrays["firsts"] = np.concatenate([chunk.firsts + first for chunk, first in pairs])
-    parents = [np.where(chunk.parents >= 0, chunk.parents + first, -1) for chunk, first in pairs]
-    arrays["parents"] = np.concatenate(parents).astype(np.int32, copy=False)
-    return arrays
+def _one_after_another(chunks: list[Chunk], spread: Spread) -> dict[str, npt.NDArray[Any]]:
+    """The chunks' arrays put together."""
 
+    def put_together(name: str) -> npt.NDArray[Any]:
+        return np.concatenate([chunk.arrays[name] for chunk in chunks])
 
-def _spread_out(spread: Spread, kernel: Callable[..., Any], tables: Packed, count: int, grain: int) -> None:
-    list(spread(kernel, ((tables.words, a, min(a + grain, count)) for a in range(0, count, grain))))
+    names = (*_COMPONENTS, *_EDGES, *_CELLS)
+    return dict(zip(names, spread(put_together, ((name,) for name in names)), strict=True))
 
 
 @cache
@@ -164,40 +158,54 @@ def _rejoined(tables: Packed, joined: dict[int, int]) -> Packed:
         table[numbers[kind]] = word
     cases = [numbers[sign, joined[cell]] for sign, cell in zip(signs, cells.tolist(), strict=True)]
     counts = table[cases] >> COUNT_SHIFT & 7
-    first, extra = len(arrays["parents"]), int(counts.sum())
+    extra = int(counts.sum())
+    bricks = np.searchsorted(arrays["starts"], cells, "right") - 1
     arrays["cases"][cells] = cases
-    arrays["firsts"][cells] = first + _starts(counts)[:-1]
+    arrays["firsts"][cells] = len(arrays["parents"]) + _starts(counts)[:-1] - arrays["nodes"][bricks]
     arrays["words"] = table
-    for name, fill in (("parents", -1), ("levels", 0), ("split", 0), ("to_split", 0), ("vertices", 0), ("places", 0)):
+    for name, fill in (("parents", -1), ("levels", 0), ("split", 0), ("to_split", 0), ("roots", 0), ("places", 0)):
         added = np.full((extra, *arrays[name].shape[1:]), fill, arrays[name].dtype)
         arrays[name] = np.concatenate([arrays[name], added])
     tables = contour_faces.FACES.pack(**arrays)
-    bricks = np.searchsorted(arrays["starts"], cells, "right") - 1
-    contour_faults.place_components(tables.words, cells, bricks)
+    contour_faults.place_components(tables.words, cells, bricks, _first_edges(arrays["cases"]))
     return tables
 
 
-def _faces(tables: Packed, edges: Ints, grid: Grid, spread: Spread, report: Reporter) -> list[Ints]:
+def _first_edges(cases: Ints) -> Longs:
+    """The number of the first edge of each cell."""
+    x, y, z = ((cases ^ cases >> (1 << axis)) & 1 for axis in range(3))
+    return _starts(x + y + z)
+
+
+def _faces(tables: Packed, grid: Grid, spread: Spread, report: Reporter) -> list[Ints]:
     """The triangles of each brick's edges, by numbers of components."""
-    bricks, arrays = len(edges), tables.arrays
-    found: list[Ints] = [np.empty((0, 3), np.int32)] * bricks
+    arrays = tables.arrays
+    edges = np.diff(arrays["edge_starts"])
+    found: list[Ints] = [np.empty((0, 3), np.int32)] * len(edges)
 
-    def write(numbers: list[int]) -> None:
-        for brick in numbers:
-            out = np.empty((2 * int(edges[brick]), 3), np.int32)
-            found[brick] = out[: contour_faces.write_faces(tables.words, brick, out)]
+    def write(bricks: Longs) -> None:
+        out, ends = np.empty((2 * int(edges[bricks].sum()), 3), np.int32), np.empty(len(bricks), np.int64)
+        contour_faces.write_faces(tables.words, bricks, out, ends)
+        first = 0
+        for brick, end in zip(bricks.tolist(), ends.tolist(), strict=True):
+            found[brick], first = out[first:end], end
 
-    todo = np.arange(bricks)
+    todo = np.arange(len(edges))
     while len(todo):
-        _spread_out(spread, contour_faces.find_vertices, tables, len(arrays["parents"]), _COMPONENTS)
-        list(spread(write, ((todo[a : a + _BRICKS].tolist(),) for a in range(0, len(todo), _BRICKS))))
+        list(spread(write, ((todo[a : a + _BRICKS],) for a in range(0, len(todo), _BRICKS))))
         report("joining", 0.5)
         split = np.flatnonzero(arrays["to_split"])
         arrays["split"][split] = 1
         arrays["to_split"][split] = 0
+        contour_faces.find_vertices(tables.words, _bricks_of(arrays, split))
         todo = _touched(arrays, split, grid)
     report("joining", 1.0)
     return found
+
+
+def _bricks_of(arrays: dict[str, Any], components: Longs) -> Longs:
+    """The bricks that components lie in, each once."""
+    return np.unique(np.searchsorted(arrays["nodes"], components, "right") - 1)
 
 
 def _touched(arrays: dict[str, Any], components: Longs, grid: Grid) -> Longs:

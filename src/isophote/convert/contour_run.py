@@ -32,9 +32,9 @@ MEMORY = 4e9
 # Bytes for each brick that the surface crosses: the mesh of some 1,500 cells, its parts before they are joined, and the
 # index of the brick's cells.
 _A_BRICK = 400_000
-# Bricks that a thread is given at once, and what their cells and components have room for at first.
-_CHUNK = 4
-_ROOM = 6144
+# Bricks that a thread is given at once, and what their cells have room for at first.
+_CHUNK = 8
+_ROOM = 1 << 14
 
 
 class _Field(NamedTuple):
@@ -105,13 +105,14 @@ class _Worker:
 
     def __init__(self, contour: Packed, grid: Grid, bricks: Longs, field: _Field) -> None:
         self._contour, self._grid, self._bricks, self._field = contour, grid, bricks, field
-        self._free: list[tuple[Packed, Packed]] = []
+        self._free: list[tuple[Packed, int]] = []
 
     def __call__(self, first: int, last: int) -> list[Chunk]:
         room = self._free.pop() if self._free else self._new(_ROOM)
         chunks = []
         while first < last:
-            work, output = room
+            work, size = room
+            output = new_output(size, 4 * size, last - first)
             status, done = contour_brick.contour_bricks(
                 self._contour.words, work.words, output.words, self._bricks, first, last
             )
@@ -119,14 +120,14 @@ class _Worker:
                 chunks.append(taken(output, done))
                 first += done
             elif status == contour_brick.NO_ROOM:
-                room = self._new(2 * len(output.arrays["codes"]))
+                room = self._new(2 * size)
             else:
                 self._refuse(status, int(self._bricks[first]))
         self._free.append(room)
         return chunks
 
-    def _new(self, size: int) -> tuple[Packed, Packed]:
-        return new_work(*self._field, size), new_output(size, 4 * size, _CHUNK)
+    def _new(self, size: int) -> tuple[Packed, int]:
+        return new_work(*self._field, size), size
 
     def _refuse(self, status: int, brick: int) -> None:
         grid = self._grid

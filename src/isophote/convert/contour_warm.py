@@ -26,8 +26,8 @@ _OTHERS = (
     (tape_linked, "gradients", _LINKED),
     (contour_regions, "find_bricks", f"({_WORDS}, {_WORDS}, int64, int64, int64[::1])"),
     (contour_faces, "index_bricks", f"({_WORDS}, int64, int64)"),
-    (contour_faces, "find_vertices", f"({_WORDS}, int64, int64)"),
-    (contour_faces, "write_faces", f"({_WORDS}, int64, int32[:, ::1])"),
+    (contour_faces, "find_vertices", f"({_WORDS}, int64[::1])"),
+    (contour_faces, "write_faces", f"({_WORDS}, int64[::1], int32[:, ::1], int64[::1])"),
     (
         contour_faces,
         "put_together",

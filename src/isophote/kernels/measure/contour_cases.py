@@ -20,12 +20,18 @@ __all__ = [
     "AMBIGUOUS",
     "CASES",
     "COMPONENT_BITS",
+    "COMPONENT_EDGES",
     "COUNT_SHIFT",
     "CROSSED",
+    "FACE_BITS",
     "FACE_EDGES",
+    "HIGH_FACES",
     "INNER_EDGES",
+    "LOW_FACES",
     "OUTER_EDGES",
+    "SIMPLE",
     "case_word",
+    "edge_starts",
     "twice_crossed_faces",
 ]
 
@@ -37,7 +43,8 @@ COMPONENT_BITS = 2
 COUNT_SHIFT = 24
 AMBIGUOUS = 1 << 27
 
-_AXES = range(3)
+# Beside the six bits of the faces that edges cross: no face is crossed along more than one curve.
+SIMPLE = 1 << 6
 
 
 def _edge_between(a: int, b: int) -> int:
@@ -140,3 +147,51 @@ CASES: Numbers = np.array([case_word(signs) for signs in range(256)], np.int32)
 CROSSED: Numbers = np.array(
     [sum(1 << edge for edge in range(12) if _is_crossed(signs, edge)) for signs in range(256)], np.int32
 )
+
+# Bits of the edges of each component of a case, four words a case.
+COMPONENT_EDGES: Numbers = np.array(
+    [
+        sum(1 << edge for edge, of in enumerate(_components(signs, 0)) if of == component)
+        for signs in range(256)
+        for component in range(4)
+    ],
+    np.int32,
+)
+
+
+def _face_bits() -> Numbers:
+    edges = np.arange(1 << 12)
+    bits = np.full(len(edges), SIMPLE)
+    for face in range(6):
+        crossed = sum((edges >> edge & 1 for edge in _FACES[face]), np.zeros_like(edges))
+        bits |= (crossed > 0) << face
+        bits[(crossed != 0) & (crossed != 2)] &= ~SIMPLE
+    return bits.astype(np.int32)
+
+
+def _inner_faces(child: int, faces: int, high: int) -> int:
+    """The faces within a cube cut into eight that a child crosses, being on their low or their high side.
+
+    `faces` are bits of the child's own faces. The face between the children c and c | 1 << axis has bit 8 axis + c.
+    """
+    found = 0
+    for axis in range(3):
+        if child >> axis & 1 == high and faces >> (2 * axis + 1 - high) & 1:
+            found |= 1 << 8 * axis + (child & ~(1 << axis))
+    return found
+
+
+# The faces that edges cross, and SIMPLE, by the edges' bits.
+FACE_BITS: Numbers = _face_bits()
+# Bits of the faces that a child crosses within its cube, by 64 · child + bits of its faces: from their low sides, and
+# from their high sides.
+LOW_FACES, HIGH_FACES = (
+    np.array([_inner_faces(child, faces, high) for child in range(8) for faces in range(64)], np.int32)
+    for high in range(2)
+)
+
+
+def edge_starts(side: int) -> list[int]:
+    """The sample that each edge of a cell starts at, less that of the cell, in a grid of side³ samples."""
+    corners = [_corners_of_edge(edge)[0] for edge in range(12)]
+    return [(c & 1) + (c >> 1 & 1) * side + (c >> 2) * side * side for c in corners]

@@ -6,7 +6,7 @@ import numpy as np
 
 from isophote.kernels.base.jit import device, kernel
 from isophote.kernels.measure.contour_cases import COMPONENT_BITS, COUNT_SHIFT
-from isophote.kernels.measure.contour_faces import cell_at, open_faces, place_of_brick
+from isophote.kernels.measure.contour_faces import cell_of, open_faces, place_of_brick, slot_at
 from isophote.kernels.measure.contour_tables import BRICK
 from isophote.kernels.measure.morton import unpacked
 
@@ -38,20 +38,35 @@ def find_faults(tables, cells, bricks, twice, out):
         for axis in range(3):
             if twice[t.cases[cell]] >> (2 * axis + 1) & 1 == 0:
                 continue
-            other = cell_at(t, i + np.int64(axis == 0), j + np.int64(axis == 1), k + np.int64(axis == 2))
+            u, v, w = i + np.int64(axis == 0), j + np.int64(axis == 1), k + np.int64(axis == 2)
+            other = cell_of(t, slot_at(t, u, v, w), u, v, w)
             if twice[t.cases[other]] >> 2 * axis & 1 != 0:
                 out[count, 0], out[count, 1], out[count, 2] = cell, other, axis
                 count += 1
     return count
 
 
+@device
+def _edge_of(t, first_edges, axis, i, j, k):
+    """The number of the crossed edge along an axis that starts at (i, j, k)."""
+    cell = cell_of(t, slot_at(t, i, j, k), i, j, k)
+    edge = np.int64(first_edges[cell])
+    for before in range(axis):
+        edge += (t.cases[cell] ^ t.cases[cell] >> (1 << before)) & 1
+    return edge
+
+
 @kernel
-def place_components(tables, cells, bricks):
-    """Place the vertices of the components of cells in the middle of their crossings."""
+def place_components(tables, cells, bricks, first_edges):
+    """Place the vertices of the components of cells in the middle of their crossings, and put them into the rings of
+    their edges.
+
+    `first_edges` (n,) int64 are the numbers of the first edge of each of all cells.
+    """
     t = open_faces(tables)
     for number in range(len(cells)):
-        cell = cells[number]
-        i, j, k = _place_of_cell(t, bricks[number], cell)
+        cell, brick = cells[number], bricks[number]
+        i, j, k = _place_of_cell(t, brick, cell)
         case, first = t.cases[cell], np.int64(t.firsts[cell])
         word = np.int64(t.words[case])
         for component in range(word >> COUNT_SHIFT & 7):
@@ -63,12 +78,15 @@ def place_components(tables, cells, bricks):
                 if crossed == 0 or word >> COMPONENT_BITS * edge & 3 != component:
                     continue
                 a, b, c = i + (low & 1), j + (low >> 1 & 1), k + (low >> 2)
-                along = np.float64(t.crossings[3 * cell_at(t, a, b, c) + axis])
+                crossing = _edge_of(t, first_edges, axis, a, b, c)
+                if slot_at(t, a, b, c) == brick:
+                    t.rings[crossing, edge & 3] = np.int32(first + component)
+                along = np.float64(t.crossings[crossing])
                 along += np.float64((a if axis == 0 else b if axis == 1 else c) // BRICK * BRICK)
                 x += along if axis == 0 else np.float64(a)
                 y += along if axis == 1 else np.float64(b)
                 z += along if axis == 2 else np.float64(c)
                 crossings += 1.0
-            t.places[first + component, 0] = x / crossings
-            t.places[first + component, 1] = y / crossings
-            t.places[first + component, 2] = z / crossings
+            node = t.nodes[brick] + first + component
+            t.roots[node] = np.int32(first + component)
+            t.places[node, 0], t.places[node, 1], t.places[node, 2] = x / crossings, y / crossings, z / crossings

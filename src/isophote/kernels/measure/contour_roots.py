@@ -1,4 +1,9 @@
-"""Where a field is zero on the edges of a grid, and its normals there."""
+"""Where a field is zero on the edges of a grid, and its normals there.
+
+Most edges are crossed by one smooth surface: the chord, one more value, and a parabola through the three lead so near
+to the crossing that a step of Newton's ends there. Where that step is longer than it would be then, arms of the field
+meet on the edge; those few are bracketed.
+"""
 
 from __future__ import annotations
 
@@ -16,22 +21,29 @@ __all__ = ["find_roots"]
 _SIDE = BLOCK + 1
 _BATCH = 16 * WIDTH
 # Rows of a batch: starts and lengths of the edges along x, y, z; the bracket (t, f) at both ends; which end moved last;
-# the place t along the edge; the difference of the values at the edge's ends.
-_STARTS, _STEPS, _TA, _FA, _TB, _FB, _LAST, _T, _RANGE = 0, 3, 6, 7, 8, 9, 10, 11, 12
+# the place t along the edge; the difference of the values at the edge's ends; the normals.
+_STARTS, _STEPS, _TA, _FA, _TB, _FB, _LAST, _T, _RANGE, _NORMALS = 0, 3, 6, 7, 8, 9, 10, 11, 12, 13
 _MOST_STEPS = 12
 # A value this small, relative to the difference along the edge, is left to the last step of Newton's.
 _SMALL = np.float32(1e-5)
 # Gradients are taken this far inside, in cells: right on the surface, where arms meet, there may be none.
 _INWARD = np.float32(2.0**-10)
+# The longest step of Newton's, in cells, from a place that a parabola gave.
+_LONGEST = np.float32(2.0**-13)
 _ZERO, _HALF, _ONE, _TINY = np.float32(0), np.float32(0.5), np.float32(1), np.float32(1e-30)
 
 
 @device
+def _row(roots, row, j):
+    return load16(roots, row * _BATCH + j)
+
+
+@device
 def _load_edges(work, begin, size, padded):
-    """Fill the batch with edges `begin` and on; the last one fills up the last vector."""
+    """Fill the batch with the edges in `work.pending` from `begin` on; the last one fills up the last vector."""
     roots, points = work.roots, work.points
     for lane in range(size):
-        start = np.int64(work.starts[begin + lane])
+        start = np.int64(work.starts[work.pending[begin + lane]])
         axis, sample = np.int64(0), start
         end = sample + 1
         if start >= 2 * BLOCK_SAMPLES:
@@ -56,18 +68,30 @@ def _load_edges(work, begin, size, padded):
 
 
 @device
-def _row(roots, row, j):
-    return load16(roots, row * _BATCH + j)
-
-
-@device
-def _secant(roots, j):
+def _chord(roots, j):
     """Next place within the bracket: where the chord is zero, or the middle where there is no such number."""
     ta, fa, tb, fb = _row(roots, _TA, j), _row(roots, _FA, j), _row(roots, _TB, j), _row(roots, _FB, j)
     t = ta + (tb - ta) * (fa / (fa - fb))
-    t = select((t >= ta) & (t <= tb), t, (ta + tb) * splat16(_HALF))
-    store16(roots, _T * _BATCH + j, t)
-    return t
+    return select((t >= ta) & (t <= tb), t, (ta + tb) * splat16(_HALF))
+
+
+@device
+def _put_chord(roots, j):
+    store16(roots, _T * _BATCH + j, _chord(roots, j))
+
+
+@device
+def _put_parabola(roots, j, f):
+    """Next place where the value at t is f: by the parabola t(f) through it and the ends, if that is in the bracket."""
+    zero = splat16(_ZERO)
+    t, fa, fb = _row(roots, _T, j), _row(roots, _FA, j), _row(roots, _FB, j)
+    low = f * fa > zero
+    first, last = select(low, t, zero), select(low, splat16(_ONE), t)
+    # Lagrange's form at f = 0; the end at t = 0 adds nothing.
+    guess = t * fa * fb / ((f - fa) * (f - fb)) + fa * f / ((fb - fa) * (fb - f))
+    store16(roots, _TA * _BATCH + j, first)
+    store16(roots, _TB * _BATCH + j, last)
+    store16(roots, _T * _BATCH + j, select((guess >= first) & (guess <= last), guess, t))
 
 
 @device
@@ -93,97 +117,146 @@ def _place(roots, axis, j, t):
 
 
 @device
-def _bracket_roots(grid, work, count, padded):
+def _evaluate(grid, work, count, padded):
+    """Values at the places of a batch; where they are in the slots."""
+    for j in range(0, padded, 16):
+        t = _row(work.roots, _T, j)
+        for axis in range(INPUTS):
+            store16(work.slots, axis * padded + j, _place(work.roots, axis, j, t))
+    call_linked(grid.run_values, work.leaf_run, np.int64(0), count, padded // 16)
+    return (INPUTS - 1 + count) * padded
+
+
+@device
+def _bracket(grid, work, count, padded):
     """Narrow the brackets of a batch until all values are small."""
-    result = (INPUTS - 1 + count) * padded
+    for j in range(0, padded, 16):
+        _put_chord(work.roots, j)
     for _ in range(_MOST_STEPS):
-        for j in range(0, padded, 16):
-            t = _secant(work.roots, j)
-            for axis in range(INPUTS):
-                store16(work.slots, axis * padded + j, _place(work.roots, axis, j, t))
-        call_linked(grid.run_values, work.leaf_run, np.int64(0), count, padded // 16)
+        result = _evaluate(grid, work, count, padded)
         open_lanes = np.int32(0)
         for j in range(0, padded, 16):
             open_lanes |= _narrow(work.roots, j, load16(work.slots, result + j))
+            _put_chord(work.roots, j)
         if open_lanes == 0:
             break
 
 
 @device
-def _inward(roots, j):
-    """Move the places along the edges a little towards their inner ends."""
-    zero, one, inward = splat16(_ZERO), splat16(_ONE), splat16(_INWARD)
-    t = _row(roots, _T, j)
-    moved = select(_row(roots, _FA, j) < zero, maximum(t - inward, zero), minimum(t + inward, one))
-    store16(roots, _T * _BATCH + j, moved)
-    return moved
+def _interpolate(grid, work, count, padded):
+    """Places of a batch by parabolas."""
+    for j in range(0, padded, 16):
+        _put_chord(work.roots, j)
+    result = _evaluate(grid, work, count, padded)
+    for j in range(0, padded, 16):
+        _put_parabola(work.roots, j, load16(work.slots, result + j))
 
 
 @device
-def _finish(work, j, result):
-    """A last step of Newton's; the place along the edges into the batch, unit normals (or 0) over the gradients."""
+def _inward(roots, j):
+    """Places along the edges, moved a little towards their inner ends."""
+    zero, one, inward = splat16(_ZERO), splat16(_ONE), splat16(_INWARD)
+    t = _row(roots, _T, j)
+    return select(_row(roots, _FA, j) < zero, maximum(t - inward, zero), minimum(t + inward, one))
+
+
+@device
+def _finish(work, j, t, result):
+    """A last step of Newton's from t, and unit normals (or 0); lanes where the step is short and within the bracket."""
     roots, slots = work.roots, work.slots
     f = load16(slots, result)
     gx, gy, gz = load16(slots, result + 16), load16(slots, result + 32), load16(slots, result + 48)
     slope = gx * _row(roots, _STEPS, j) + gy * _row(roots, _STEPS + 1, j) + gz * _row(roots, _STEPS + 2, j)
-    t = _row(roots, _T, j)
+    before = _row(roots, _T, j)
     better = t - f / slope
-    chord = _secant(roots, j)
     fits = (better >= _row(roots, _TA, j)) & (better <= _row(roots, _TB, j))
-    store16(roots, _T * _BATCH + j, select(fits, better, chord))
+    store16(roots, _T * _BATCH + j, select(fits, better, before))
     square = gx * gx + gy * gy + gz * gz
     # Neither a vanishing gradient nor an endless one has a direction.
     known = (square > splat16(_TINY)) & (square < splat16(_ONE / _TINY))
     scale = select(known, splat16(_ONE) / square_root(square), splat16(_ZERO))
-    store16(slots, result + 16, select(known, gx * scale, splat16(_ZERO)))
-    store16(slots, result + 32, select(known, gy * scale, splat16(_ZERO)))
-    store16(slots, result + 48, select(known, gz * scale, splat16(_ZERO)))
+    store16(roots, _NORMALS * _BATCH + j, select(known, gx * scale, splat16(_ZERO)))
+    store16(roots, (_NORMALS + 1) * _BATCH + j, select(known, gy * scale, splat16(_ZERO)))
+    store16(roots, (_NORMALS + 2) * _BATCH + j, select(known, gz * scale, splat16(_ZERO)))
+    return bits(fits & (absolute(better - before) <= splat16(_LONGEST)))
 
 
 @device
-def _write_places(work, begin, size, x0, y0, z0):
-    """The places of a batch's crossings in the brick, in cells."""
-    for lane in range(size):
-        start = np.int64(work.starts[begin + lane])
-        axis = np.int64(start >= BLOCK_SAMPLES) + np.int64(start >= 2 * BLOCK_SAMPLES)
-        sample = start - axis * BLOCK_SAMPLES
-        layer, at = sample // (_SIDE * _SIDE), (begin + lane) * CROSSING
-        row = sample // _SIDE
-        work.crossings[at] = np.float32(x0 + sample - row * _SIDE)
-        work.crossings[at + 1] = np.float32(y0 + row - layer * _SIDE)
-        work.crossings[at + 2] = np.float32(z0 + layer)
-        work.crossings[at + axis] += work.roots[_T * _BATCH + lane]
-
-
-@device
-def _write_normals(grid, work, count, begin, size, j):
-    """Gradients at sixteen crossings of a batch, the last step to their places, and their normals."""
-    result = (INPUTS - 1 + count) * GRADIENT_SLOT
+def _add_normals(grid, work, count, j):
+    """Gradients at sixteen crossings of a batch, the last step to their places, and their normals; which are good."""
     t = _inward(work.roots, j)
     for axis in range(INPUTS):
         store16(work.slots, axis * GRADIENT_SLOT, _place(work.roots, axis, j, t))
     call_linked(grid.run_gradients, work.leaf_run, np.int64(0), count, np.int64(0))
-    _finish(work, j, result)
-    for lane in range(min(np.int64(16), size - j)):
-        at = (begin + j + lane) * CROSSING + 3
-        for axis in range(3):
-            work.crossings[at + axis] = work.slots[result + 16 * (1 + axis) + lane]
+    return _finish(work, j, t, (INPUTS - 1 + count) * GRADIENT_SLOT)
+
+
+@device
+def _write(work, lane, crossing, x0, y0, z0):
+    """The place of a crossing in the brick, in cells, and the normal there."""
+    roots, start = work.roots, np.int64(work.starts[crossing])
+    axis = np.int64(start >= BLOCK_SAMPLES) + np.int64(start >= 2 * BLOCK_SAMPLES)
+    sample = start - axis * BLOCK_SAMPLES
+    row = sample // _SIDE
+    layer, at = row // _SIDE, crossing * CROSSING
+    work.crossings[at] = np.float32(x0 + sample - row * _SIDE)
+    work.crossings[at + 1] = np.float32(y0 + row - layer * _SIDE)
+    work.crossings[at + 2] = np.float32(z0 + layer)
+    work.crossings[at + axis] += roots[_T * _BATCH + lane]
+    work.crossings[at + 3] = roots[_NORMALS * _BATCH + lane]
+    work.crossings[at + 4] = roots[(_NORMALS + 1) * _BATCH + lane]
+    work.crossings[at + 5] = roots[(_NORMALS + 2) * _BATCH + lane]
+
+
+@device
+def _find_batch(grid, work, count, begin, size, late, again, x0, y0, z0):
+    """Find the crossings of a batch; adds those that are not good to the list of the late ones, unless it is that."""
+    padded = (size + 15) // 16 * 16
+    _load_edges(work, begin, size, padded)
+    if again:
+        _bracket(grid, work, count, padded)
+    else:
+        _interpolate(grid, work, count, padded)
+    for j in range(0, padded, 16):
+        good = _add_normals(grid, work, count, j)
+        for lane in range(j, min(j + 16, size)):
+            crossing = np.int64(work.pending[begin + lane])
+            _write(work, lane, crossing, x0, y0, z0)
+            if good >> np.int32(lane - j) & 1 == 0 and not again:
+                work.late[late] = np.int32(crossing)
+                late += 1
+    return late
+
+
+@device
+def _find_chords(work, crossings, x0, y0, z0):
+    for begin in range(0, crossings, _BATCH):
+        size = min(np.int64(_BATCH), crossings - begin)
+        padded = (size + 15) // 16 * 16
+        _load_edges(work, begin, size, padded)
+        for j in range(0, padded, 16):
+            _put_chord(work.roots, j)
+        for lane in range(size):
+            _write(work, lane, begin + lane, x0, y0, z0)
 
 
 @device
 def find_roots(grid, work, count, crossings, x0, y0, z0):
     """Places and normals of the crossings listed in `work.starts`; the block lies at (x0, y0, z0) in its brick.
 
-    For surface nets places are those of linear interpolation, and normals are left alone.
+    For surface nets places are those of linear interpolation, and normals are of no matter.
     """
+    for crossing in range(crossings):
+        work.pending[crossing] = np.int32(crossing)
+    if grid.sharp == 0:
+        _find_chords(work, crossings, x0, y0, z0)
+        return
+    late = np.int64(0)
     for begin in range(0, crossings, _BATCH):
         size = min(np.int64(_BATCH), crossings - begin)
-        padded = (size + 15) // 16 * 16
-        _load_edges(work, begin, size, padded)
-        if grid.sharp != 0:
-            _bracket_roots(grid, work, count, padded)
-        for j in range(0, padded, 16):
-            _secant(work.roots, j)
-            if grid.sharp != 0:
-                _write_normals(grid, work, count, begin, size, j)
-        _write_places(work, begin, size, x0, y0, z0)
+        late = _find_batch(grid, work, count, begin, size, late, False, x0, y0, z0)
+    for entry in range(late):
+        work.pending[entry] = work.late[entry]
+    for begin in range(0, late, _BATCH):
+        size = min(np.int64(_BATCH), late - begin)
+        _find_batch(grid, work, count, begin, size, late, True, x0, y0, z0)

@@ -19,13 +19,16 @@ from isophote.kernels.base.table import (
 )
 
 __all__ = [
+    "AXIS_BIT",
     "BLOCK",
     "BLOCK_SAMPLES",
     "BRICK",
+    "CODE_BIT",
     "CONTOUR",
     "CROSSING",
     "MOMENTS",
     "OUTPUT",
+    "PADDING",
     "POINTS",
     "ROOT_ROWS",
     "WIDTH",
@@ -39,10 +42,13 @@ WIDTH = 12
 POINTS = 768
 # Floats of a crossing: its place in the brick, in cells, and the unit normal there.
 CROSSING = 6
-# Numbers of a component's error function: matrix (6), right side (3), constant, sum of crossings (3), their number.
-MOMENTS = 14
+# Numbers of an error function: matrix (6), right side (3), constant, sum of crossings (3), their number, one that is
+# always 0, and the number of crossings without a normal. Two vectors of eight doubles.
+MOMENTS = 16
+# Lanes beyond the last sample of an axis that may be read.
+PADDING = 16
 # Rows of the batches that roots are sought in.
-ROOT_ROWS = 13
+ROOT_ROWS = 16
 
 CONTOUR = Table(
     "Contour",
@@ -51,7 +57,7 @@ CONTOUR = Table(
     run_values=INT,
     run_intervals=INT,
     run_gradients=INT,
-    # Coordinates of the samples along each axis, and the cells along each.
+    # Coordinates of the samples along each axis, PADDING more than there are, and the cells along each.
     xs=FLOATS,
     ys=FLOATS,
     zs=FLOATS,
@@ -62,12 +68,20 @@ CONTOUR = Table(
     reach=FLOAT,
     # Whether vertices lie on sharp edges (dual contouring) or in the middle of their crossings (surface nets).
     sharp=INT,
+    # How the surface runs through a cube: contour_cases.py.
     cases=INTS,
-    crossed=INTS,
-    face_edges=INTS,
+    component_edges=INTS,
     inner_edges=INTS,
     outer_edges=INTS,
-    # Where the cell of each code lies in its block: x + 16 y + 256 z.
+    face_bits=INTS,
+    low_faces=INTS,
+    high_faces=INTS,
+    # The crossings of the components of each case, 12 words a case: from a cell's sample to the edge's start in
+    # `crossing_of`, times four, plus which of the four cells round the edge the cell is.
+    crossings_of_cases=INTS,
+    # From the number of a cell's sample in its brick to that of each of its edges.
+    edge_numbers=INTS,
+    # Where the cubes of 2³ cells lie in a block, in the order of their codes: x + 16 y + 256 z.
     places=INTS,
 )
 
@@ -90,10 +104,19 @@ WORK = Table(
     crossed_cells=INTS,
     crossing_of=INTS,
     starts=INTS,
+    # Crossings that are sought now, and those to be sought again.
+    pending=INTS,
+    late=INTS,
     roots=FLOATS,
+    # Crossings of a block: places and normals, what each adds to an error function, and the components of the four
+    # cells round its edge, or -1 for those in other blocks.
     crossings=FLOATS,
+    planes=DOUBLE_BOXES,
+    around=INTS,
     qefs=FLOATS,
-    # Components of a brick, and what they are merged into.
+    # Components of a brick: first those of its smallest cells, with the number of the cell's sample, then what they are
+    # merged into, with the numbers of the edges crossed.
+    spots=INTS,
     crossed=INT_ROWS,
     moments=DOUBLE_BOXES,
     places=DOUBLE_BOXES,
@@ -105,9 +128,10 @@ WORK = Table(
     following=INTS,
     list=INTS,
     next_list=INTS,
+    # The parts of the components that are proposed, how many each has, and what entries of a list are connected to.
     members=INTS,
+    counts=INTS,
     labels=INTS,
-    numbers=INTS,
     levels=BYTES,
     # Marks of the cells of 2, 4, 8 and 16 cells of a brick that hold something not merged that far.
     unmerged=BYTES,
@@ -115,18 +139,27 @@ WORK = Table(
 
 OUTPUT = Table(
     "ContourOutput",
-    # Cells that the surface crosses: code within the brick, case, first component; and where it crosses the three edges
-    # that start at the cell's low corner, with the normals there, ten bits a coordinate.
+    # Cells that the surface crosses: code within the brick, case, first component.
     codes=INTS,
     cases=INTS,
     firsts=INTS,
+    # Edges that the surface crosses, those of each cell that start at its low corner: a word (see below); the
+    # components of the four cells round it, or -1 for those in other blocks; where it is crossed, in the brick; and the
+    # normal there, ten bits a coordinate.
+    edges=INTS,
+    rings=INT_ROWS,
     crossings=FLOATS,
     normals=INTS,
-    # Components, those of a brick's smallest cells first: what each was merged into, or -1, the level of its cell, and
-    # the place of its vertex in cells of the grid.
+    # Components, those of a brick's smallest cells first: what each was merged into, or -1, and in the end; the level
+    # of its cell; and the place of its vertex in cells of the grid.
     parents=INTS,
+    roots=INTS,
     levels=BYTES,
     places=DOUBLE_BOXES,
-    # One row for each brick: where its cells and components end, and how many edges it owns.
+    # One row for each brick: where its cells, edges and components end, and how many cells have ambiguous faces. All
+    # numbers of components are counted from the brick's first.
     ends=INT_ROWS,
 )
+
+# An edge's word: whether its start is inside, its axis from this bit on, and the code of the cell that it starts at.
+AXIS_BIT, CODE_BIT = 1, 3

@@ -14,7 +14,7 @@ from __future__ import annotations
 import numpy as np
 
 from isophote.kernels.base.jit import device
-from isophote.kernels.base.simd import absolute, load16, maximum, minimum, select, splat16, square_root, store16
+from isophote.kernels.base.simd import absolute, bits, load16, maximum, minimum, select, splat16, square_root, store16
 
 __all__ = ["BOX_HIGH", "BOX_LOW", "MATRIX", "QEF_WORDS", "RIGHT", "SOLUTION", "solve_qefs"]
 
@@ -28,7 +28,10 @@ _CUT = np.float32(2e-3)
 # How far outside its box, in cells, a point may lie by rounding; and if that makes the mean square distance from the
 # planes smaller by `_GAIN` square cells or more.
 _SLACK, _MARGIN, _GAIN = np.float32(1e-4), np.float32(1), np.float32(1e-4)
+# A little less than that, for the sum of the minors over the square of the trace.
+_FLAT = np.float32(0.98) * _CUT
 _ZERO, _HALF, _ONE = np.float32(0), np.float32(0.5), np.float32(1)
+_ALL = np.int32(0xFFFF)
 _SWEEPS = 4
 
 
@@ -102,8 +105,49 @@ def _better(work, x, y, z, a, b, c):
 
 
 @device
+def _times(work, x, y, z):
+    """A x."""
+    xx, xy, xz = load16(work, 0), load16(work, 16), load16(work, 32)
+    yy, yz, zz = load16(work, 48), load16(work, 64), load16(work, 80)
+    return xx * x + xy * y + xz * z, xy * x + yy * y + yz * z, xz * x + yz * y + zz * z
+
+
+@device
+def _solve_planes(work):
+    """Write the points nearest on planes; whether all sixteen functions are those of one plane each.
+
+    The two smaller eigenvalues together are about the sum of A's principal minors over the largest one. Where that is
+    below the cut, A multiplied twice with a column of its own is the eigenvector in single precision.
+    """
+    xx, xy, xz = load16(work, 0), load16(work, 16), load16(work, 32)
+    yy, yz, zz = load16(work, 48), load16(work, 64), load16(work, 80)
+    trace = xx + yy + zz
+    minors = (xx * yy - xy * xy) + (xx * zz - xz * xz) + (yy * zz - yz * yz)
+    flat = minors <= splat16(_FLAT) * trace * trace
+    if bits(flat) != _ALL:
+        return False
+    first = (xx >= yy) & (xx >= zz)
+    second = yy >= zz
+    x = select(first, xx, select(second, xy, xz))
+    y = select(first, xy, select(second, yy, yz))
+    z = select(first, xz, select(second, yz, zz))
+    x, y, z = _times(work, x, y, z)
+    x, y, z = _times(work, x, y, z)
+    u, v, w = _times(work, x, y, z)
+    p, q, r = load16(work, RIGHT), load16(work, RIGHT + 16), load16(work, RIGHT + 32)
+    step = (x * p + y * q + z * r) / (x * u + y * v + z * w)
+    x, y, z = step * x, step * y, step * z
+    store16(work, SOLUTION, x)
+    store16(work, SOLUTION + 16, y)
+    store16(work, SOLUTION + 32, z)
+    return bits(_inside(work, x, y, z, _SLACK)) == _ALL
+
+
+@device
 def solve_qefs(work):
     """Solve the sixteen functions in `work`, float32; boxes hold their middles. See the names of its rows above."""
+    if _solve_planes(work):
+        return
     zero, one = splat16(_ZERO), splat16(_ONE)
     a, b, c = load16(work, 0), load16(work, 16), load16(work, 32)
     d, e, f = load16(work, 48), load16(work, 64), load16(work, 80)

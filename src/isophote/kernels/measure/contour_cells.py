@@ -1,0 +1,163 @@
+"""The cells of a block that the surface crosses: their components, and the edges that start at their low corners."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from isophote.kernels.base.jit import device
+from isophote.kernels.base.simd import lowest_bit
+from isophote.kernels.base.simd_double import load_doubles, splat_doubles, store_doubles
+from isophote.kernels.measure.contour_cases import AMBIGUOUS, COUNT_SHIFT
+from isophote.kernels.measure.contour_tables import (
+    AXIS_BIT,
+    BLOCK,
+    BLOCK_SAMPLES,
+    CODE_BIT,
+    CROSSING,
+    MOMENTS,
+)
+from isophote.kernels.measure.morton import bit_count
+
+__all__ = ["BLOCKED", "gather_cells", "weigh_crossings"]
+
+# Beside the twelve bits of a component's crossed edges: it must not be merged.
+BLOCKED = np.int32(1 << 12)
+
+_SIDE = np.int64(BLOCK + 1)
+_HALF_BLOCK = np.int64(BLOCK // 2)
+_HALF_RANGE = np.float32(511)
+_NOTHING = np.float64(0)
+_UNKNOWN = np.int64(15)
+
+
+@device
+def weigh_crossings(work, count):
+    """What the plane of each crossing of a block adds to an error function."""
+    for crossing in range(count):
+        at = crossing * CROSSING
+        px, py, pz = work.crossings[at], work.crossings[at + 1], work.crossings[at + 2]
+        nx, ny, nz = work.crossings[at + 3], work.crossings[at + 4], work.crossings[at + 5]
+        x, y, z = np.float64(px), np.float64(py), np.float64(pz)
+        u, v, w = np.float64(nx), np.float64(ny), np.float64(nz)
+        d = u * x + v * y + w * z
+        row = work.planes[crossing]
+        row[0], row[1], row[2] = u * u, u * v, u * w
+        row[3], row[4], row[5] = v * v, v * w, w * w
+        row[6], row[7], row[8], row[9] = u * d, v * d, w * d, d * d
+        row[10], row[11], row[12], row[13] = x, y, z, 1.0
+        row[_UNKNOWN] = 0.0 if u * u + v * v + w * w > 0.5 else 1.0
+
+
+@device
+def _find_crossed_cells(work):
+    """For each row of cells, bits of those with corners of unlike signs."""
+    signs = work.rows_of_signs
+    for z in range(BLOCK):
+        for y in range(BLOCK):
+            row = z * _SIDE + y
+            a, b, c, d = signs[row], signs[row + 1], signs[row + _SIDE], signs[row + _SIDE + 1]
+            some, each = a | b | c | d, a & b & c & d
+            work.crossed_cells[z * BLOCK + y] = (some | some >> 1) & ~(each & each >> 1)
+
+
+@device
+def _crossed_of_eight(work, x, y, z):
+    """Bits of the crossed cells among the eight at (x, y, z) and on, in the order of their codes."""
+    row = z * BLOCK + y
+    low = work.crossed_cells[row] >> x & 3 | (work.crossed_cells[row + 1] >> x & 3) << 2
+    high = work.crossed_cells[row + BLOCK] >> x & 3 | (work.crossed_cells[row + BLOCK + 1] >> x & 3) << 2
+    return np.int32(low | high << 4)
+
+
+@device
+def _signs_of_cell(signs, x, row):
+    a, b = signs[row] >> x & 3, signs[row + 1] >> x & 3
+    c, d = signs[row + _SIDE] >> x & 3, signs[row + _SIDE + 1] >> x & 3
+    return a | b << 2 | c << 4 | d << 6
+
+
+@device
+def _add_components(grid, work, case, code, spot, sample, first):
+    """Make the components of a cell, from number `first` on; the next free number."""
+    word = grid.cases[case]
+    flags = BLOCKED if word & AMBIGUOUS else np.int32(0)
+    at = 12 * np.int64(case)
+    component = first
+    for number in range(word >> COUNT_SHIFT & 7):
+        mask = grid.component_edges[4 * case + number]
+        low, high = splat_doubles(_NOTHING), splat_doubles(_NOTHING)
+        for entry in range(at, at + bit_count(np.int64(mask))):
+            place = np.int64(grid.crossings_of_cases[entry])
+            crossing = np.int64(work.crossing_of[sample + (place >> 2)])
+            work.around[4 * crossing + (place & 3)] = np.int32(component)
+            low = low + load_doubles(work.planes, MOMENTS * crossing)
+            high = high + load_doubles(work.planes, MOMENTS * crossing + 8)
+        at += bit_count(np.int64(mask))
+        store_doubles(work.moments, MOMENTS * component, low)
+        store_doubles(work.moments, MOMENTS * component + 8, high)
+        mask |= flags
+        if work.moments[component, _UNKNOWN] != 0.0:
+            mask |= BLOCKED
+        work.codes[component] = code
+        work.masks[component] = mask
+        work.spots[component] = np.int32(spot)
+        component += 1
+    return component
+
+
+@device
+def _packed_normal(crossings, at):
+    """A unit vector in ten bits a coordinate."""
+    packed = np.int32(0)
+    for axis in range(3):
+        packed |= np.int32(crossings[at + axis] * _HALF_RANGE + _HALF_RANGE) << np.int32(10 * axis)
+    return packed
+
+
+@device
+def _put_edges(work, output, case, code, sample, edge):
+    """Put out the crossed edges that start at a cell's low corner; the next free number."""
+    for axis in range(3):
+        if case & 1 == case >> (1 << axis) & 1:
+            continue
+        crossing = np.int64(work.crossing_of[axis * BLOCK_SAMPLES + sample])
+        output.edges[edge] = case & np.int32(1) | np.int32(axis << AXIS_BIT) | code << np.int32(CODE_BIT)
+        for cell in range(4):
+            output.rings[edge, cell] = work.around[4 * crossing + cell]
+        output.crossings[edge] = work.crossings[CROSSING * crossing + axis]
+        output.normals[edge] = _packed_normal(work.crossings, CROSSING * crossing + 3)
+        edge += 1
+    return edge
+
+
+@device
+def gather_cells(grid, work, output, block, corner, side, cell, edge, component):
+    """Put out the cells of a block that the surface crosses, in the order of their codes, and make their components.
+
+    The block has its number in the brick and its first sample the number `corner` there, of side³ samples; `cell`,
+    `edge` and `component` are the next free numbers, which are returned, and the number of ambiguous cells.
+    """
+    _find_crossed_cells(work)
+    ambiguous = np.int64(0)
+    for eight in range(_HALF_BLOCK * _HALF_BLOCK * _HALF_BLOCK):
+        at = np.int64(grid.places[eight])
+        x, y, z = at & 15, at >> 4 & 15, at >> 8
+        crossed = _crossed_of_eight(work, np.int32(x), y, z)
+        while crossed != 0:
+            child = np.int64(lowest_bit(crossed))
+            crossed &= crossed - np.int32(1)
+            i, j, k = x + (child & 1), y + (child >> 1 & 1), z + (child >> 2)
+            row = k * _SIDE + j
+            case = _signs_of_cell(work.rows_of_signs, np.int32(i), row)
+            code = np.int32(block * BLOCK * BLOCK * BLOCK + 8 * eight + child)
+            output.codes[cell] = code
+            output.cases[cell] = case
+            output.firsts[cell] = np.int32(component)
+            if grid.cases[case] & AMBIGUOUS:
+                ambiguous += 1
+            sample = row * _SIDE + i
+            spot = corner + (k * side + j) * side + i
+            component = _add_components(grid, work, case, code, spot, sample, component)
+            edge = _put_edges(work, output, case, code, sample, edge)
+            cell += 1
+    return cell, edge, component, ambiguous
