@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 
-from isophote.kernels.accel.field_chain import surface_of
 from isophote.kernels.accel.geometry import Hit
 from isophote.kernels.accel.surface import offset_point
 from isophote.kernels.base.jit import device, kernel
@@ -15,6 +14,7 @@ from isophote.kernels.base.vec import dot, orthonormal, vec3
 from isophote.kernels.base.warp import to_disk
 from isophote.kernels.trace import wave as rows
 from isophote.kernels.trace.batch import find_blocked, trace_rays
+from isophote.kernels.trace.direct import surface_of
 from isophote.kernels.trace.samples import FIRST, Tile, develop, draw, start_paths
 from isophote.kernels.trace.shading import seen_normal
 from isophote.kernels.trace.tables import FILM, PLAN, SCENE
@@ -22,7 +22,7 @@ from isophote.kernels.trace.wave import add_radiance, row_vec3, set_row_vec3
 
 __all__ = ["SKY", "occlusion_tile"]
 
-# `reach`: length of the rays; `bent` (height, 3 · width): sums of the directions of free rays.
+# `reach`: length of the rays; `bent` (pixels, 3): sums of the directions of free rays.
 SKY = Table("OcclusionSky", reach=FLOAT, bent=DOUBLE_BOXES)
 
 _ZERO, _ONE = np.float32(0), np.float32(1)
@@ -39,7 +39,7 @@ def _aim(scene, sky, wave, i, at):
     origin, direction = row_vec3(floats, rows.ORIGIN, i), row_vec3(floats, rows.DIRECTION, i)
     t, w1, w2 = floats[rows.HIT_T, i], floats[rows.HIT_W1, i], floats[rows.HIT_W2, i]
     hit = Hit(t, w1, w2, longs[rows.HIT_SLOT, i], longs[rows.HIT_INSTANCE, i])
-    surface = surface_of(scene.geometry, scene.surfaces, scene.fields, origin, direction, hit, wave.scratch)
+    surface = surface_of(scene, origin, direction, hit, wave.scratch)
     normal = seen_normal(surface, direction)
     normal = normal if dot(direction, normal) < _ZERO else -normal
     tangent, bitangent = orthonormal(normal)
@@ -59,36 +59,31 @@ def occlusion_tile(scene_words, plan_words, sky_words, film_words, wave_words, x
     nothing."""
     scene, plan, sky = open_scene(scene_words), open_plan(plan_words), open_sky(sky_words)
     film, wave = open_film(film_words), open_wave(wave_words)
-    tile = Tile(x0, x1, y0, y1, np.int64(0), plan.samples)
-    paths = (x1 - x0) * (y1 - y0) * plan.samples
-    white = vec3(_ONE, _ONE, _ONE)
-    size = wave.floats.columns
-    for first in range(0, paths, size):
-        count = min(size, paths - first)
-        start_paths(scene, plan, tile, first, count, wave)
+    tile = Tile(x0, x1, y0, y1)
+    count, place = start_paths(scene, plan, film, tile, np.int64(0), wave)
+    while count > 0:
         trace_rays(scene, wave, count, True)
         draw(plan, wave, count, FIRST, rows.LIGHT_U)
         rays = np.int64(0)
         for i in range(count):
             if wave.longs[rows.HIT_SLOT, i] == _NONE:
-                add_radiance(wave, i, white)
+                add_radiance(wave, i, vec3(_ONE, _ONE, _ONE))
             else:
                 rays += _aim(scene, sky, wave, i, rays)
         find_blocked(scene, wave, rays, False)
         for k in range(rays):
             if wave.ints[rows.BLOCKED, k] == 0:
                 owner = np.int64(wave.ints[rows.SHADOW_OWNER, k])
-                add_radiance(wave, owner, white)
-                _bend(sky, plan, wave, np.int64(wave.ints[rows.PIXEL, owner]), k)
-        develop(plan, tile, first, count, wave, film)
+                add_radiance(wave, owner, vec3(_ONE, _ONE, _ONE))
+                _bend(sky, wave, np.int64(wave.ints[rows.PLACE, owner]), k)
+        develop(plan, count, wave, film)
+        count, place = start_paths(scene, plan, film, tile, place, wave)
 
 
 @device
-def _bend(sky, plan, wave, pixel, k):
+def _bend(sky, wave, pixel, k):
     """Add the direction of free ray `k` to its pixel's."""
-    y = pixel // plan.width
-    x = pixel - y * plan.width
     direction = row_vec3(wave.floats, rows.SHADOW_DIRECTION, k)
-    sky.bent[y, 3 * x] += direction.x
-    sky.bent[y, 3 * x + 1] += direction.y
-    sky.bent[y, 3 * x + 2] += direction.z
+    sky.bent[pixel, 0] += direction.x
+    sky.bent[pixel, 1] += direction.y
+    sky.bent[pixel, 2] += direction.z

@@ -9,26 +9,26 @@ import attrs
 import numpy as np
 
 from isophote.errors import RenderError
-from isophote.kernels.base import sampler
 from isophote.kernels.base.table import Packed
-from isophote.kernels.light import film as film_kernels
 from isophote.kernels.trace.occlusion_picture import SKY, occlusion_tile
-from isophote.kernels.trace.tables import FILM, PLAN
+from isophote.kernels.trace.tables import PLAN
 from isophote.kernels.trace.wave import new_wave
 from isophote.lower.field_table import scratch_words
 from isophote.lower.scene import lower_scene
+from isophote.rendering.film import Film
 from isophote.rendering.image import Image
 from isophote.rendering.method import Array, Job, first_hit_channels
 from isophote.rendering.occlusion.points import checked_reach
 from isophote.rendering.occlusion.screen import screen_occlusion
-from isophote.rendering.pool import Pool, Tile, tiles_of
+from isophote.rendering.passes import PATTERNS, Limits, trace_passes
+from isophote.rendering.pixel_filter import as_pixel_filter, filter_table
+from isophote.rendering.pool import Pool, Tile
 from isophote.rendering.warm import warm_up
 
 __all__ = ["AmbientOcclusion"]
 
 _WAYS = ("rays", "horizon", "classic")
 _MOST_SAMPLES = 2**20
-_TILE = 32
 _WAVE = 1040
 # Half of the samples of a pixel go to each side of a slice, four slices through a pixel.
 _SLICES = 4
@@ -85,31 +85,29 @@ class AmbientOcclusion:
 
     def _traced(self, scene: Packed, job: Job, pool: Pool) -> dict[str, Array]:
         width, height = job.size
-        film = FILM.pack(
-            total=np.zeros((height, 3 * width)),
-            squares=np.zeros((height, 3 * width)),
-            count=np.zeros((height, width), np.int64),
-        )
+        table = filter_table(as_pixel_filter("box"))
+        film = Film(job.size, table)
         plan = PLAN.pack(
             width=width,
             height=height,
             samples=self.samples,
             seed=job.seed,
-            pattern=sampler.SOBOL,
-            filter=film_kernels.BOX,
+            pattern=PATTERNS["blue-noise"],
+            offsets=table.offsets,
+            crossings=table.crossings,
             max_depth=1,
             roulette_depth=1,
         )
-        bent = np.zeros((height, 3 * width))
+        bent = np.zeros((height * width, 3))
         sky = SKY.pack(reach=checked_reach(self.max_distance), bent=bent)
         waves = [new_wave(_WAVE, scratch_words(scene.arrays["fields"])) for _ in range(pool.threads)]
-        tiles = tiles_of(job.size, _TILE)
 
         def work(tile: Tile, thread: int) -> None:
             occlusion_tile(scene.words, plan.words, sky.words, film.words, waves[thread].words, *tile)
 
-        pool.run(work, tiles, lambda done: job.report("ambient occlusion", done / len(tiles)))
-        return _developed(film, bent.reshape(height, width, 3))
+        trace_passes(work, film, Limits(self.samples), job, pool, "ambient occlusion", time.monotonic())
+        visibility = film.mean()[..., 0].astype(np.float32)
+        return {"visibility": visibility, "bent_normal": _normalised(bent.reshape(height, width, 3))}
 
     def _from_depth(self, job: Job, channels: dict[str, Array]) -> dict[str, Array]:
         camera = job.scene.camera
@@ -125,13 +123,10 @@ class AmbientOcclusion:
         return {"visibility": open_sky}
 
 
-def _developed(film: Packed, bent: Array) -> dict[str, Array]:
-    count = np.maximum(film.arrays["count"], 1)[..., None]
-    shape = (*film.arrays["count"].shape, 3)
-    mean = film.arrays["total"].reshape(shape)[..., 0] / count[..., 0]
+def _normalised(bent: Array) -> Array:
     length = np.linalg.norm(bent, axis=2, keepdims=True)
-    mean_direction = np.divide(bent, length, out=np.zeros_like(bent), where=length > 0)
-    return {"visibility": mean.astype(np.float32), "bent_normal": mean_direction.astype(np.float32)}
+    unit: Array = np.divide(bent, length, out=np.zeros_like(bent), where=length > 0).astype(np.float32)
+    return unit
 
 
 def _extent(job: Job) -> float:
