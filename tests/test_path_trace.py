@@ -165,7 +165,7 @@ def test_a_light_below_the_floor_does_not_shine_on_it_but_what_is_between_blocks
 
 def test_max_depth_counts_rays():
     """1: what shines; 2: direct light; 3: one bounce more. In a closed box of albedo ρ they are E Σ ρ^k."""
-    item = iso.Item(box(4, inward=True), iso.Principled(colour=(RHO,) * 3, emission=RADIANCE))
+    item = iso.Item(box(4, inward=True), iso.Emitter(RADIANCE, body=iso.Matte(RHO)))
     inside = iso.Camera((0.5, 0.1, 0.2), (-1, 0.3, -1), fov_degrees=90)
     for depth in (1, 2, 3, 5, 8):
         image = render([item], (), inside, samples=64, max_depth=depth)
@@ -181,7 +181,7 @@ def test_closed_furnace(rho, shape):
     """Inside a closed body that emits E and reflects ρ all is E / (1 − ρ)."""
     mesh = box(4, inward=True) if shape == "box" else icosphere(3, 2.0)
     # A sphere seen from within shines from its back.
-    item = iso.Item(mesh, iso.Principled(colour=(rho,) * 3, emission=RADIANCE, two_sided=True))
+    item = iso.Item(mesh, iso.Emitter(RADIANCE, two_sided=True, body=iso.Matte(rho)))
     inside = iso.Camera((0.5, 0.1, 0.2), (-1, 0.3, -1), fov_degrees=90)
     image = render([item], (), inside, samples=64, max_depth=200)
     assert close(image, np.array(RADIANCE) / (1 - rho))

@@ -15,6 +15,7 @@ from isophote.io.mtl import MtlMaterial, parse_mtl
 from isophote.io.obj_read import parse_obj
 from isophote.io.source import read_source
 from isophote.io.texture_file import load_texture
+from isophote.scene.colour import Colour
 from isophote.scene.material import Emitter, Glass, Matte, Mirror
 from isophote.scene.material_base import Material
 from isophote.scene.scene import Item, Scene
@@ -97,12 +98,19 @@ class _Materials:
         if glass:
             ior = given.ior if given.ior is not None and given.ior > 1 else _DEFAULT_IOR
             filtering = given.transmission
-            return Glass(ior, 1.0 if filtering is None or not any(filtering) else filtering)
+            return Glass(ior, 1.0 if filtering is None or not any(filtering) else self._reflected(filtering))
         if given.illumination in _MIRRORS:
-            return Mirror(1.0 if given.specular is None else given.specular)
+            return Mirror(1.0 if given.specular is None else self._reflected(given.specular))
         if given.diffuse_map is not None:
             return Matte(self._texture(given.diffuse_map, given.clamped))
-        return Matte() if given.diffuse is None else Matte(given.diffuse)
+        return Matte() if given.diffuse is None else Matte(self._reflected(given.diffuse))
+
+    def _reflected(self, colour: Colour) -> Colour:
+        """A colour that reflects no more light than comes."""
+        if max(colour) > 1:
+            _complain(self.path, f"a colour of {colour} reflects more light than comes", self.strict, "; cut at 1")
+        red, green, blue = (min(channel, 1.0) for channel in colour)
+        return red, green, blue
 
     def _texture(self, name: str, clamped: bool) -> Texture:
         if (name, clamped) not in self._textures:

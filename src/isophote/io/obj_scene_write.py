@@ -14,9 +14,10 @@ from isophote.errors import FileError, IsophoteWarning
 from isophote.io.files import StrPath, write_bytes
 from isophote.io.obj_write import encode_obj
 from isophote.io.texture_png import encode_texture
-from isophote.scene.colour import WHITE, Colour
-from isophote.scene.material import Emitter, Glass, Mirror, Principled
+from isophote.scene.colour import Colour
+from isophote.scene.material import Emitter, Glass, Mirror
 from isophote.scene.material_base import Material
+from isophote.scene.nearest import nearest_principled
 from isophote.scene.scene import Item, Scene
 from isophote.scene.texture import Texture
 from isophote.shapes.mesh import Attribute, FaceLabels, Mesh
@@ -94,10 +95,8 @@ def _statements(material: Material, stem: str, pictures: dict[Texture, str]) -> 
 
 def _diffuse(material: Material) -> tuple[Colour, Texture | None]:
     """What comes nearest to a material's colour, and its texture."""
-    if isinstance(material, Principled):
-        return material.colour, material.colour_texture
-    colour = getattr(material, "colour", WHITE)
-    return (WHITE, colour) if isinstance(colour, Texture) else (colour, None)
+    principled = nearest_principled(material)
+    return principled.colour, principled.colour_texture
 
 
 def _joined(path: StrPath, items: tuple[Item, ...], names: list[str]) -> Mesh:

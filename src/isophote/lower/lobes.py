@@ -10,15 +10,33 @@ import numpy as np
 import numpy.typing as npt
 
 from isophote.kernels.base.entry import Entry
-from isophote.kernels.brdf import conductor
+from isophote.kernels.brdf import (
+    ashikhmin_shirley,
+    compound,
+    conductor,
+    diffuse,
+    measured,
+    phong,
+    plastic,
+    principled,
+    rough_glass,
+    ward,
+)
+from isophote.lower.albedo import coat_table, mean_conductor, ring_chances, split_tables
 from isophote.scene.colour import Colour
-from isophote.scene.material_base import Material
+from isophote.scene.compound import Coated, Mix, Plastic
+from isophote.scene.gloss import AshikhminShirley, Blinn, OrenNayar, Phong, Ward
+from isophote.scene.material import Glass, Matte, Mirror, Principled
+from isophote.scene.material_base import ColourParameter, Material, NumberParameter
+from isophote.scene.measured import Measured
 from isophote.scene.metal import Metal
 from isophote.scene.texture import Texture
 
 __all__ = ["Node", "Slot", "node_of"]
 
 Floats: TypeAlias = npt.NDArray[np.float32]
+
+_GREEN, _BLUE = 1, 2
 
 
 @attrs.frozen
@@ -59,18 +77,139 @@ def node_of(material: Material) -> Node:
     raise TypeError(f"no node for a {type(material).__name__}")
 
 
-def _is_smooth(roughness: Any) -> bool:
-    return all(part == 0 for part in roughness if not isinstance(part, Texture)) and not any(
-        isinstance(part, Texture) for part in roughness
-    )
+def _is_smooth(*roughness: NumberParameter) -> bool:
+    return all(not isinstance(part, Texture) and part == 0 for part in roughness)
+
+
+def _slots(*parameters: Any) -> tuple[Slot, ...]:
+    return tuple(Slot.of(parameter) for parameter in parameters)
+
+
+@node_of.register
+def _(material: Matte) -> Node:
+    return Node((diffuse.evaluate_lambert, diffuse.sample_lambert, None), _slots(material.colour))
+
+
+@node_of.register
+def _(material: OrenNayar) -> Node:
+    entries = diffuse.evaluate_oren_nayar, diffuse.sample_oren_nayar, None
+    return Node(entries, _slots(material.colour, material.roughness))
+
+
+@node_of.register
+def _(material: Phong) -> Node:
+    slots = _slots(material.colour, material.specular, material.exponent)
+    return Node((phong.evaluate_phong, phong.sample_phong, None), slots)
+
+
+@node_of.register
+def _(material: Blinn) -> Node:
+    slots = _slots(material.colour, material.specular, material.exponent)
+    return Node((phong.evaluate_blinn, phong.sample_blinn, None), slots)
+
+
+@node_of.register
+def _(material: AshikhminShirley) -> Node:
+    entries = ashikhmin_shirley.evaluate_ashikhmin_shirley, ashikhmin_shirley.sample_ashikhmin_shirley, None
+    return Node(entries, _slots(material.colour, material.specular, *material.exponents), anisotropic=True)
+
+
+@node_of.register
+def _(material: Ward) -> Node:
+    slots = _slots(material.colour, material.specular, *material.roughness)
+    return Node((ward.evaluate_ward, ward.sample_ward, None), slots, anisotropic=True)
+
+
+@node_of.register
+def _(material: Mirror) -> Node:
+    # A metal that reflects everything: n = 0, or next to it.
+    return _smooth_metal(((1e-6,) * 3, (1.0,) * 3), material.colour)
+
+
+def _smooth_metal(index: tuple[Colour, Colour], colour: ColourParameter) -> Node:
+    entries = conductor.evaluate_nothing, conductor.sample_smooth, conductor.branch_smooth
+    return Node(entries, _slots(*index, colour), branches=1, scatters=False)
 
 
 @node_of.register
 def _(material: Metal) -> Node:
-    slots = tuple(Slot.of(value) for value in (*material.index, material.colour, *material.roughness))
-    if _is_smooth(material.roughness):
-        smooth = (conductor.evaluate_nothing, conductor.sample_smooth, conductor.branch_smooth)
-        return Node(smooth, slots, branches=1, scatters=False)
+    if _is_smooth(*material.roughness):
+        return _smooth_metal(material.index, material.colour)
+    n, k = (np.array(part) for part in material.index)
+    mean = tuple(mean_conductor(n, k).tolist())
+    slots = _slots(*material.index, material.colour, *material.roughness, mean)
     along, across = material.roughness
-    rough = (conductor.evaluate_conductor, conductor.sample_conductor, None)
+    if material.single_bounce:
+        return Node((conductor.evaluate_single, conductor.sample_single, None), slots, anisotropic=along != across)
+    entries = conductor.evaluate_conductor, conductor.sample_conductor, None
+    return Node(entries, slots, split_tables(), anisotropic=along != across)
+
+
+@node_of.register
+def _(material: Glass) -> Node:
+    slots = _slots(material.ior, material.colour, *material.roughness)
+    # Facets of a boundary that does not bend light are not seen.
+    if _is_smooth(*material.roughness) or material.ior == 1:
+        entries = conductor.evaluate_nothing, rough_glass.sample_glass, rough_glass.branch_glass
+        return Node(entries, slots, branches=2, scatters=False)
+    along, across = material.roughness
+    rough = rough_glass.evaluate_rough_glass, rough_glass.sample_rough_glass, None
     return Node(rough, slots, anisotropic=along != across)
+
+
+def _coat(ior: float, smooth: bool) -> Floats:
+    """Data of kernels/brdf/coat.py."""
+    return np.concatenate([np.array([ior, smooth], np.float32), coat_table(ior)])
+
+
+@node_of.register
+def _(material: Plastic) -> Node:
+    smooth = _is_smooth(material.roughness)
+    entries = plastic.evaluate_plastic, plastic.sample_plastic, plastic.branch_plastic
+    slots = _slots(material.roughness, material.colour)
+    return Node(entries, slots, _coat(material.ior, smooth), branches=int(smooth))
+
+
+@node_of.register
+def _(material: Coated) -> Node:
+    smooth, base = _is_smooth(material.roughness), node_of(material.base)
+    return Node(
+        (compound.evaluate_coated, compound.sample_coated, compound.branch_coated),
+        _slots(material.roughness),
+        _coat(material.ior, smooth),
+        (base,),
+        branches=base.branches + int(smooth),
+        scatters=base.scatters or not smooth,
+        anisotropic=base.anisotropic,
+    )
+
+
+@node_of.register
+def _(material: Mix) -> Node:
+    parts = node_of(material.first), node_of(material.second)
+    return Node(
+        (compound.evaluate_mix, compound.sample_mix, compound.branch_mix),
+        _slots(material.amount),
+        children=parts,
+        branches=sum(part.branches for part in parts),
+        scatters=any(part.scatters for part in parts),
+        anisotropic=any(part.anisotropic for part in parts),
+    )
+
+
+@node_of.register
+def _(material: Principled) -> Node:
+    texture = material.metallic_roughness_texture
+    slots = (
+        Slot(material.colour, material.colour_texture),
+        Slot((material.metallic,) * 3, texture, _BLUE),
+        Slot((material.roughness,) * 3, texture, _GREEN),
+    )
+    return Node((principled.evaluate_principled, principled.sample_principled, None), slots, split_tables())
+
+
+@node_of.register
+def _(material: Measured) -> Node:
+    values = np.maximum(material.values, 0)
+    data = np.concatenate([values.reshape(-1), ring_chances(values)]).astype(np.float32)
+    return Node((measured.evaluate_measured, measured.sample_measured, None), (), data)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import singledispatch
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -19,8 +18,7 @@ from isophote.kernels.trace.prepare import prepare
 from isophote.lower.lobes import Node, Slot, node_of
 from isophote.scene.colour import srgb_to_linear
 from isophote.scene.material import Emitter, Glass, Matte, Mirror, Principled
-from isophote.scene.material_base import Material
-from isophote.scene.metal import Metal
+from isophote.scene.material_base import ColourParameter, Material, shown_colour
 from isophote.scene.texture import Texture
 
 __all__ = ["MaterialTable", "emission_of"]
@@ -46,47 +44,35 @@ class _Row(NamedTuple):
     node: Node | None = None
 
 
-@singledispatch
-def _row(material: object) -> _Row:
-    raise TypeError(f"no row for a {type(material).__name__}")
+def _row(material: Material) -> _Row:
+    """The row of a material. Of those compiled into the tiles there are few; all others are called by address."""
+    if isinstance(material, Emitter):
+        body = _Row(bsdf.BLACK) if material.body is None else _row(material.body)
+        return body._replace(emission=material.radiance, two_sided=material.two_sided)
+    if isinstance(material, Matte):
+        return _shown(bsdf.MATTE, material.colour)
+    if isinstance(material, Mirror):
+        return _Row(bsdf.MIRROR, material.colour, branches=1)
+    if isinstance(material, Glass) and not node_of(material).scatters:
+        return _Row(bsdf.GLASS, material.colour, ior=material.ior, branches=2)
+    return _linked(material)
 
 
-@_row.register
-def _(material: Matte) -> _Row:
-    if isinstance(material.colour, Texture):
-        return _Row(bsdf.MATTE, (1.0, 1.0, 1.0), material.colour)
-    return _Row(bsdf.MATTE, material.colour)
-
-
-@_row.register
-def _(material: Mirror) -> _Row:
-    return _Row(bsdf.MIRROR, material.colour, branches=1)
-
-
-@_row.register
-def _(material: Glass) -> _Row:
-    return _Row(bsdf.GLASS, material.colour, ior=material.ior, branches=2)
-
-
-@_row.register
-def _(material: Emitter) -> _Row:
-    return _Row(bsdf.BLACK, emission=material.radiance, two_sided=material.two_sided)
-
-
-@_row.register
-def _(material: Principled) -> _Row:
-    return _Row(bsdf.MATTE, material.colour, material.colour_texture, material.emission, two_sided=material.two_sided)
-
-
-@_row.register
-def _(material: Metal) -> _Row:
-    return _linked(material, Slot.of(material.colour))
-
-
-def _linked(material: Material, shown: Slot) -> _Row:
-    """The row of a kind that is called by address; `shown` is what stands for its colour in channels of pictures."""
+def _linked(material: Material) -> _Row:
     node = node_of(material)
-    return _Row(bsdf.LINKED, shown.value, shown.texture, branches=node.branches, node=node)
+    row = _shown(bsdf.LINKED, shown_colour(material))._replace(branches=node.branches, node=node)
+    if isinstance(material, Principled):
+        return row._replace(
+            colour=material.colour,
+            texture=material.colour_texture,
+            emission=material.emission,
+            two_sided=material.two_sided,
+        )
+    return row
+
+
+def _shown(kind: int, colour: ColourParameter) -> _Row:
+    return _Row(kind, (1.0, 1.0, 1.0), colour) if isinstance(colour, Texture) else _Row(kind, colour)
 
 
 def emission_of(material: Material) -> tuple[tuple[float, float, float], bool]:
@@ -96,9 +82,11 @@ def emission_of(material: Material) -> tuple[tuple[float, float, float], bool]:
 
 
 class MaterialTable:
-    """Numbers materials as they come; equal ones share a row."""
+    """Numbers materials as they come; equal ones share a row. With `all_linked` those, too, that are compiled into the
+    tiles of rendering methods get nodes."""
 
-    def __init__(self) -> None:
+    def __init__(self, all_linked: bool = False) -> None:
+        self._all_linked = all_linked
         self._numbers: dict[Material, int] = {}
         self._textures: dict[Texture, int] = {}
 
@@ -113,7 +101,7 @@ class MaterialTable:
 
     def build(self) -> tuple[Packed, Packed]:
         """The tables of all materials that were numbered. Raises `SceneError` where one has too many parts."""
-        rows = [_row(material) for material in self._numbers]
+        rows = [_linked(material) if self._all_linked else _row(material) for material in self._numbers]
         textures = [-1 if row.texture is None else self._texture(row.texture) for row in rows]
         values = [(*row.colour, *row.emission, row.ior, float(row.two_sided)) for row in rows]
         scatters = [row.kind == bsdf.MATTE if row.node is None else row.node.scatters for row in rows]

@@ -21,7 +21,15 @@ from isophote.scene.fields import (
     optional,
     positive,
 )
-from isophote.scene.material_base import Material, colour_or_texture
+from isophote.scene.material_base import (
+    ColourParameter,
+    Material,
+    NumberParameter,
+    albedo,
+    colour_or_texture,
+    roughness,
+    roughness_pair,
+)
 from isophote.scene.texture import Texture
 
 __all__ = ["Emitter", "Glass", "Material", "Matte", "Mirror", "Principled"]
@@ -39,14 +47,14 @@ class Matte(Material):
     `colour` is the albedo, the reflected part of the light: a colour or a `Texture`.
     """
 
-    colour: Colour | Texture = attrs.field(default=_LIGHT_GREY, converter=colour_or_texture)
+    colour: ColourParameter = attrs.field(default=_LIGHT_GREY, converter=colour_or_texture, validator=albedo)
 
 
 @attrs.frozen
 class Mirror(Material):
     """Reflects light in the mirror direction, on both faces, times `colour` at every angle."""
 
-    colour: Colour = attrs.field(default=WHITE, converter=as_colour)
+    colour: Colour = attrs.field(default=WHITE, converter=as_colour, validator=albedo)
 
 
 def _as_coefficients(value: ColourLike) -> Colour:
@@ -59,7 +67,7 @@ def _as_coefficients(value: ColourLike) -> Colour:
 
 @attrs.frozen
 class Glass(Material):
-    """A smooth boundary of a clear solid or liquid: Fresnel reflection and refraction by Snell's law.
+    """A boundary of a clear solid or liquid: Fresnel reflection and refraction by Snell's law.
 
     `ior` is the index of refraction inside the surface, opposite the normal; above 0, and may be below 1. Air is 1.
     `colour` multiplies what is reflected and what is transmitted at the surface. `absorption` is the coefficient σ, in
@@ -70,12 +78,18 @@ class Glass(Material):
     as ice that sticks out of water, or water drawn a little into its glass, the one of the higher `priority` is there,
     or, of equals, the one that a ray entered last (Schmidt, Budge: "Simple Nested Dielectrics in Ray Traced Images",
     JGT 7(2), 2002). Surfaces must be closed for that.
+
+    `roughness` from 0, smooth, to 1, ground, is a number or a `Texture`, or a pair of them, along the direction in which
+    texture coordinate u grows and across it: α = roughness², microfacets after Walter et al., EGSR 2007.
     """
 
     ior: float = attrs.field(default=1.5, converter=as_number, validator=positive)
-    colour: Colour = attrs.field(default=WHITE, converter=as_colour)
+    colour: Colour = attrs.field(default=WHITE, converter=as_colour, validator=albedo)
     absorption: Colour = attrs.field(default=_BLACK, converter=_as_coefficients)
     priority: float = attrs.field(default=0.0, converter=as_number, validator=finite)
+    roughness: tuple[NumberParameter, NumberParameter] = attrs.field(
+        default=(0.0, 0.0), converter=roughness_pair, validator=roughness, kw_only=True
+    )
 
     @classmethod
     def tinted(cls, colour: ColourLike, at: float, **rest: Any) -> Glass:
@@ -96,18 +110,26 @@ class Glass(Material):
 
 @attrs.frozen
 class Emitter(Material):
-    """Shines with `radiance`, W/(m² sr) in each channel, evenly to all sides, and reflects nothing.
+    """Shines with `radiance`, W/(m² sr) in each channel, evenly to all sides, and reflects as `body` does.
 
-    It shines on the side of the normal; with `two_sided` on both.
+    It shines on the side of the normal; with `two_sided` on both. Without a `body` it reflects nothing.
     """
 
     radiance: Colour = attrs.field(converter=as_colour)
     two_sided: bool = attrs.field(default=False, converter=as_flag)
+    body: Material | None = attrs.field(default=None)
+
+    @body.validator
+    def _check_body(self, attribute: attrs.Attribute[Material | None], value: object) -> None:
+        if value is not None and (not isinstance(value, Material) or isinstance(value, Emitter)):
+            raise SceneError(f"Emitter: body must be a material that does not shine itself, or None, but is {value!r}")
+        if isinstance(value, Principled) and max(value.emission) > 0:
+            raise SceneError("Emitter: body shines itself; give its emission to the Emitter")
 
 
 @attrs.frozen
 class Principled(Material):
-    """Everything that glTF's metallic-roughness material says; drawn as `Matte` of its base colour.
+    """glTF's metallic-roughness material: a metal, a matte body under a clear coat, or a mix of both.
 
     The base colour is `colour` times `colour_texture`, by channels; its fourth channel times `opacity` is
     the opacity, used as `alpha_mode` says: not at all ("opaque"), cut at `alpha_cutoff` ("mask") or mixed
@@ -118,7 +140,7 @@ class Principled(Material):
     Source: glTF 2.0, section 3.9, "Materials".
     """
 
-    colour: Colour = attrs.field(default=_LIGHT_GREY, converter=as_colour)
+    colour: Colour = attrs.field(default=_LIGHT_GREY, converter=as_colour, validator=albedo)
     metallic: float = attrs.field(default=0.0, converter=as_number, validator=fraction)
     roughness: float = attrs.field(default=0.5, converter=as_number, validator=fraction)
     emission: Colour = attrs.field(default=_BLACK, converter=as_colour)

@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 import attrs
 
 from isophote.errors import SceneError
-from isophote.scene.colour import Colour, ColourLike
+from isophote.scene.colour import WHITE, Colour, ColourLike
 from isophote.scene.colour import colour as as_colour
 from isophote.scene.texture import Texture
 
@@ -21,6 +21,7 @@ __all__ = [
     "number_or_texture",
     "roughness",
     "roughness_pair",
+    "shown_colour",
     "textures_of",
 ]
 
@@ -47,6 +48,17 @@ def textures_of(material: Material) -> list[Texture]:
     return found
 
 
+def shown_colour(material: Material) -> ColourParameter:
+    """The colour that stands for a material where nothing but a colour can: its own, or that of what lies below."""
+    for name in ("colour", "base", "body", "first"):
+        found = getattr(material, name, None)
+        if isinstance(found, Material):
+            return shown_colour(found)
+        if found is not None:
+            return found  # type: ignore[no-any-return]
+    return WHITE
+
+
 def colour_or_texture(value: ColourLike | Texture) -> ColourParameter:
     """A texture as it is, anything else as a colour."""
     return value if isinstance(value, Texture) else as_colour(value)
@@ -71,7 +83,7 @@ def roughness_pair(value: Any) -> tuple[NumberParameter, NumberParameter]:
 
 
 def albedo(instance: Any, attribute: attrs.Attribute[Any], value: Any) -> None:
-    """A colour whose channels are 1 or less, or a texture."""
+    """A colour whose channels are 1 or less, or a texture, which is taken as it is."""
     if isinstance(value, tuple) and max(value) > 1:
         raise SceneError(
             f"{type(instance).__name__}: {attribute.name} is the reflected part of the light, from 0 to 1 in each "
@@ -86,11 +98,11 @@ def _is_fraction(value: Any) -> bool:
 
 
 def roughness(instance: Any, attribute: attrs.Attribute[Any], value: Any) -> None:
-    """A number from 0 to 1 or a texture, or a pair of them."""
+    """A number from 0 to 1 or a texture; or a pair of them, where it was made one."""
     parts = value if isinstance(value, tuple) else (value,)
     if not all(_is_fraction(part) for part in parts):
         shown = value[0] if isinstance(value, tuple) and value[0] == value[1] else value
         raise SceneError(
-            f"{type(instance).__name__}: {attribute.name} must be a number from 0 to 1 or a Texture, or two of them "
-            f"(along, across), but is {shown!r}"
+            f"{type(instance).__name__}: {attribute.name} must be a number from 0 to 1 or a Texture"
+            f"{', or two of them (along, across)' if isinstance(value, tuple) else ''}, but is {shown!r}"
         )

@@ -173,19 +173,20 @@ def _as_written(field: Field, principled: Principled) -> Material | None:
 
 
 def _as_glass(field: Field, principled: Principled) -> Glass | None:
-    """Glass, where a material is smooth and lets all light through."""
+    """Glass, where a material lets all light through."""
     transmission = field.extension("KHR_materials_transmission")
     if transmission is None:
         return None
     clear = transmission.number("transmissionFactor", 0.0) >= _SURE and "transmissionTexture" not in transmission
-    smooth = principled.metallic <= 1 - _SURE and principled.roughness <= 1 - _SURE
+    dielectric = principled.metallic <= 1 - _SURE
     plain = principled.colour_texture is None and principled.metallic_roughness_texture is None
-    if not (clear and smooth and plain):
+    if not (clear and dielectric and plain):
         return None
     ior = field.extension("KHR_materials_ior")
     index = 1.5 if ior is None else ior.number("ior", 1.5)
     # 0 stands for an endless index: full reflection, which is no glass.
-    return Glass(index, principled.colour) if index > 0 else None
+    roughness = principled.roughness if principled.roughness > 1 - _SURE else 0.0
+    return Glass(index, principled.colour, roughness=roughness) if index > 0 else None
 
 
 def _as_emitter(principled: Principled) -> Emitter | None:

@@ -14,10 +14,10 @@ from isophote.io.files import StrPath
 from isophote.io.gltf.build import Builder
 from isophote.io.gltf.material import MARK
 from isophote.io.texture_png import encode_texture, is_exact
-from isophote.scene.colour import WHITE, Colour
-from isophote.scene.material import Emitter, Glass, Matte, Mirror, Principled
+from isophote.scene.colour import Colour
+from isophote.scene.material import Glass, Principled
 from isophote.scene.material_base import Material
-from isophote.scene.metal import Metal
+from isophote.scene.nearest import nearest_principled
 from isophote.scene.texture import Texture
 
 __all__ = ["MaterialWriter"]
@@ -49,7 +49,9 @@ class MaterialWriter:
             return self._principled(material)
         if isinstance(material, Glass):
             return self._glass(material)
-        return self._principled(_nearest(material)) | {"extras": {MARK: {"material": type(material).__name__}}}
+        return self._principled(nearest_principled(material)) | {
+            "extras": {MARK: {"material": type(material).__name__}}
+        }
 
     def _principled(self, material: Principled) -> Json:
         pbr: Json = {
@@ -92,7 +94,8 @@ class MaterialWriter:
             "KHR_materials_ior": {"ior": material.ior},
         }
         self.builder.extensions |= set(extensions)
-        pbr = {"baseColorFactor": [*material.colour, 1.0], "metallicFactor": 0.0, "roughnessFactor": 0.0}
+        roughness = nearest_principled(material).roughness
+        pbr = {"baseColorFactor": [*material.colour, 1.0], "metallicFactor": 0.0, "roughnessFactor": roughness}
         return {"pbrMetallicRoughness": pbr, "extensions": extensions}
 
     def _put(self, holder: Json, key: str, texture: Texture | None, space: str, **factors: float) -> None:
@@ -120,15 +123,3 @@ class MaterialWriter:
                 stacklevel=6,
             )
         return encode_texture(texture, space)
-
-
-def _nearest(material: Material) -> Principled:
-    if isinstance(material, Mirror):
-        return Principled(material.colour, metallic=1.0, roughness=0.0)
-    if isinstance(material, Emitter):
-        return Principled(0.0, roughness=1.0, emission=material.radiance, two_sided=material.two_sided)
-    colour = material.colour if isinstance(material, Matte | Metal) else WHITE
-    metallic, rough = (1.0, 0.3) if isinstance(material, Metal) else (0.0, 1.0)
-    if isinstance(colour, Texture):
-        return Principled(1.0, metallic, rough, colour_texture=colour, two_sided=True)
-    return Principled(colour, metallic, rough, two_sided=True)

@@ -16,6 +16,7 @@ textures included, which lie in the scratch when an entry is called.
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -31,11 +32,18 @@ __all__ = [
     "WORDS",
     "Lobe",
     "answer",
+    "answer_branch",
     "answer_sample",
     "colour_slot",
+    "cosine_direction",
+    "datum",
+    "into_of",
     "no_sample",
     "number_slot",
     "open_lobe",
+    "out_of",
+    "point_of",
+    "share_of",
 ]
 
 # Columns of `Materials.nodes`: entries, first slot counted from the material's, first number in `data`, nodes of what
@@ -91,6 +99,30 @@ def number_slot(lobe, k):
 
 
 @device
+def datum(lobe, k):
+    """Number `k` of the node's data."""
+    return lobe.materials.data[lobe.materials.nodes[lobe.node, DATA] + k]
+
+
+@device
+def out_of(lobe):
+    """The direction that is looked along, z > 0."""
+    return load_vec3(lobe.scratch, OUT)
+
+
+@device
+def into_of(lobe):
+    """The direction asked for."""
+    return load_vec3(lobe.scratch, INTO)
+
+
+@device
+def point_of(lobe):
+    """(x, y, pick) to sample from."""
+    return lobe.scratch[X], lobe.scratch[Y], lobe.scratch[PICK]
+
+
+@device
 def answer(lobe, value, density):
     """Leave what `evaluate` found; returns 1 where it is light."""
     store_vec3(lobe.scratch, VALUE, value)
@@ -106,6 +138,26 @@ def answer_sample(lobe, into, value, density):
 
 
 @device
+def answer_branch(lobe, into, share):
+    """Leave what `branch` found."""
+    store_vec3(lobe.scratch, INTO, into)
+    return answer(lobe, share, _ZERO)
+
+
+@device
 def no_sample(lobe):
     """Leave that `sample` found nothing."""
     return answer(lobe, vec3(_ZERO, _ZERO, _ZERO), _ONE)
+
+
+@device
+def cosine_direction(x, y):
+    """The direction over a point of the unit disk: density cosθ / π."""
+    return vec3(x, y, math.sqrt(max(_ZERO, _ONE - x * x - y * y)))
+
+
+@device
+def share_of(first, second):
+    """The chance of picking a lobe that carries `first`, colours both, beside one that carries `second`."""
+    a, b = first.x + first.y + first.z, second.x + second.y + second.z
+    return a / (a + b) if a + b > _ZERO else _ONE

@@ -1,4 +1,4 @@
-"""Fresnel's equations of conductors."""
+"""Fresnel's equations of conductors, and Schlick's approximation."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.vec import vec3
 
-__all__ = ["fresnel_conductor"]
+__all__ = ["fresnel_conductor", "schlick"]
 
 _ZERO, _HALF, _ONE, _TWO, _FOUR = np.float32(0), np.float32(0.5), np.float32(1), np.float32(2), np.float32(4)
 
@@ -36,3 +36,11 @@ def fresnel_conductor(cosine, n, k):
     numbers.
     """
     return vec3(_channel(cosine, n.x, k.x), _channel(cosine, n.y, k.y), _channel(cosine, n.z, k.z))
+
+
+@device
+def schlick(specular, cosine):
+    """F = s + (1 − s) (1 − cosθ)⁵, s a colour (Schlick: "An Inexpensive BRDF Model", Eurographics 1994)."""
+    x = max(_ZERO, _ONE - cosine)
+    x5 = x * x * x * x * x
+    return specular * (_ONE - x5) + x5 * vec3(_ONE, _ONE, _ONE)

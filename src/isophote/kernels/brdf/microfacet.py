@@ -27,8 +27,8 @@ _LEAST_ALPHA = np.float32(1e-3)
 
 @device
 def alpha_of(roughness):
-    """α = roughness², not less than single precision can tell."""
-    return max(roughness * roughness, _LEAST_ALPHA)
+    """α = roughness², at most 1, and not less than single precision can tell."""
+    return min(max(roughness * roughness, _LEAST_ALPHA), _ONE)
 
 
 @device

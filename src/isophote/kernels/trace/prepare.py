@@ -21,6 +21,7 @@ from isophote.kernels.trace.tables import SCENE
 __all__ = ["prepare", "slot_value"]
 
 _ZERO, _ONE = np.float32(0), np.float32(1)
+_LEAST = np.float32(1e-6)
 _WORDS = np.int64(contract.WORDS)
 # Columns of `Materials.spans`.
 _ROOT, _FIRST, _COUNT, _TANGENT = np.int64(0), np.int64(1), np.int64(2), np.int64(3)
@@ -29,14 +30,13 @@ _scene_at = opener_at(SCENE)
 
 
 @device
-def slot_value(scene, slot, scratch):
+def slot_value(materials, textures, slot, scratch):
     """Value of a material's slot at the surface in the scratch, texture included."""
-    materials = scene.materials
     value = vec3(materials.slot_values[slot, 0], materials.slot_values[slot, 1], materials.slot_values[slot, 2])
     texture = np.int64(materials.slot_codes[slot, 0])
     if texture < 0:
         return value
-    texel = look_up(scene.textures, texture, scratch[contract.U], scratch[contract.V])
+    texel = look_up(textures, texture, scratch[contract.U], scratch[contract.V])
     channel = materials.slot_codes[slot, 1]
     if channel >= 0:
         one = texel.x if channel == 0 else (texel.y if channel == 1 else texel.z)
@@ -102,7 +102,8 @@ def _write_frame(scene, material, scratch):
     store_vec3(scratch, contract.NORMAL, normal)
     store_vec3(scratch, contract.TRUE_NORMAL, true * side)
     scratch[contract.SIDE] = side
-    out = vec3(-dot(direction, tangent), -dot(direction, bitangent), -dot(direction, normal))
+    # Not quite along the surface, so that nothing is divided by zero.
+    out = vec3(-dot(direction, tangent), -dot(direction, bitangent), max(-dot(direction, normal), _LEAST))
     store_vec3(scratch, contract.OUT, out)
 
 
@@ -114,5 +115,7 @@ def prepare(scene_words, scratch_address):
     _write_frame(scene, material, scratch)
     first = np.int64(scene.materials.spans[material, _FIRST])
     for k in range(scene.materials.spans[material, _COUNT]):
-        store_vec3(scratch, contract.PARAMETERS + 3 * k, slot_value(scene, first + k, scratch))
+        store_vec3(
+            scratch, contract.PARAMETERS + 3 * k, slot_value(scene.materials, scene.textures, first + k, scratch)
+        )
     return 0

@@ -1,0 +1,75 @@
+"""Any material as the nearest that glTF's words can say, for files and methods that know no other."""
+
+from __future__ import annotations
+
+import math
+
+import attrs
+
+from isophote.scene.colour import Colour
+from isophote.scene.compound import Coated, Mix, Plastic
+from isophote.scene.gloss import AshikhminShirley, Blinn, Phong, Ward
+from isophote.scene.material import Emitter, Glass, Mirror, Principled
+from isophote.scene.material_base import Material, NumberParameter, shown_colour
+from isophote.scene.metal import Metal
+from isophote.scene.texture import Texture
+
+__all__ = ["nearest_principled"]
+
+_TYPICAL = 0.3
+
+
+def nearest_principled(material: Material) -> Principled:
+    """The `Principled` that looks most like a material; textures but that of the colour are left out."""
+    if isinstance(material, Principled):
+        return material
+    if isinstance(material, Emitter):
+        black = Principled(0.0, roughness=1.0)
+        body = black if material.body is None else nearest_principled(material.body)
+        return attrs.evolve(body, emission=material.radiance, two_sided=material.two_sided)
+    if isinstance(material, Coated):
+        return attrs.evolve(nearest_principled(material.base), roughness=_number(material.roughness))
+    if isinstance(material, Mix):
+        chosen = material.first if _number(material.amount) < 0.5 else material.second
+        return nearest_principled(chosen)
+    metallic = 1.0 if isinstance(material, Metal | Mirror) else 0.0
+    colour = _facing(material) if isinstance(material, Metal) else shown_colour(material)
+    rough = _roughness(material)
+    if isinstance(colour, Texture):
+        return Principled(1.0, metallic, rough, colour_texture=colour, two_sided=True)
+    return Principled(colour, metallic, rough, two_sided=True)
+
+
+def _number(parameter: NumberParameter) -> float:
+    return _TYPICAL if isinstance(parameter, Texture) else parameter
+
+
+def _facing(metal: Metal) -> Colour:
+    """What a metal reflects of light from above."""
+    n, k = metal.index
+    colour = (1.0, 1.0, 1.0) if isinstance(metal.colour, Texture) else metal.colour
+    red, green, blue = (c * ((a - 1) ** 2 + b**2) / ((a + 1) ** 2 + b**2) for a, b, c in zip(n, k, colour, strict=True))
+    return red, green, blue
+
+
+def _roughness(material: Material) -> float:
+    """Such that highlights are about as wide."""
+    if isinstance(material, Mirror):
+        return 0.0
+    if isinstance(material, Metal | Ward | Glass):
+        return math.sqrt(_number(material.roughness[0]) * _number(material.roughness[1]))
+    if isinstance(material, Plastic):
+        return _number(material.roughness)
+    if isinstance(material, Phong):
+        # The mirror direction turns twice as far as the half direction.
+        return _of_exponent(4 * _number(material.exponent))
+    if isinstance(material, Blinn):
+        return _of_exponent(_number(material.exponent))
+    if isinstance(material, AshikhminShirley):
+        return _of_exponent(math.sqrt(_number(material.exponents[0]) * _number(material.exponents[1])))
+    return 1.0
+
+
+def _of_exponent(n: float) -> float:
+    """α² = 2 / (n + 2), α = roughness²."""
+    return math.sqrt(math.sqrt(2 / (n + 2)))
