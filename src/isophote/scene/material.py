@@ -79,8 +79,8 @@ class Glass(Material):
     or, of equals, the one that a ray entered last (Schmidt, Budge: "Simple Nested Dielectrics in Ray Traced Images",
     JGT 7(2), 2002). Surfaces must be closed for that.
 
-    `roughness` from 0, smooth, to 1, ground, is a number or a `Texture`, or a pair of them, along the direction in which
-    texture coordinate u grows and across it: α = roughness², microfacets after Walter et al., EGSR 2007.
+    `roughness` from 0, smooth, to 1, ground, is a number or a `Texture`, or a pair of them, along the direction in
+    which texture coordinate u grows and across it: α = roughness², microfacets after Walter et al., EGSR 2007.
     """
 
     ior: float = attrs.field(default=1.5, converter=as_number, validator=positive)
