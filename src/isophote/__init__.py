@@ -82,6 +82,7 @@ _HOME = {
     "field": "shapes.field.function_form",
     "field2": "shapes.field.function_form",
     "frame": "shapes.field.solids",
+    "fresnel": "scene.optics",
     "image": "shapes.field.field2",
     "intersection": "shapes.field.operations",
     "link": "shapes.field.rounds",

@@ -19,7 +19,7 @@ from isophote.kernels.base.jit import device
 from isophote.kernels.base.table import FLOAT_ROWS, INTS, Table
 from isophote.kernels.base.vec import vec3
 
-__all__ = ["MEDIA", "Boundary", "attenuation", "current_medium", "medium_ior", "meet_boundary"]
+__all__ = ["MEDIA", "Boundary", "attenuation", "current_medium", "medium_ior", "meet_boundary", "surface_boundary"]
 
 _BITS, _ONE_ENTRY, _OTHERS = np.int64(16), np.int64(0xFFFF), np.int64(0xFFFFFFFFFFFF)
 _IOR, _PRIORITY, _ABSORPTION = np.int64(0), np.int64(1), np.int64(2)
@@ -83,6 +83,16 @@ def meet_boundary(media, inside, medium, entering):
     # A ray that leaves what it never entered began inside.
     whole = _entered(inside, medium) if through == inside else inside
     return Boundary(current_medium(media, whole), current_medium(media, through), through)
+
+
+@device
+def surface_boundary(media, material, inside, entering):
+    """The `Boundary` at a surface of a material; the same medium on both sides where that is not clear."""
+    medium = np.int64(media.of_material[material])
+    if medium != 0:
+        return meet_boundary(media, inside, medium, entering)
+    current = current_medium(media, inside)
+    return Boundary(current, current, inside)
 
 
 @device

@@ -26,6 +26,7 @@ from isophote.kernels.light.emitter import (
     sample_light,
 )
 from isophote.kernels.light.environment import environment_density, environment_radiance
+from isophote.kernels.light.medium import attenuation, current_medium, medium_ior, surface_boundary
 from isophote.kernels.trace import wave as rows
 from isophote.kernels.trace.batch import LAMP, trace_rays, trace_shadow_rays
 from isophote.kernels.trace.direct import is_surface, surface_of
@@ -138,6 +139,10 @@ def _aim(tables, wave, i, at, kind, surface, shading, out, colour, carried):
     p = chance * sample.density
     weight = p / (p * p + q * q) if p > _ZERO else _ONE / chance
     light = carried * value * vec3(sample.red, sample.green, sample.blue) * weight
+    # Light that nothing blocks comes through the medium that the surface is in.
+    medium = current_medium(tables.media, wave.longs[rows.INSIDE, i])
+    if medium != 0:
+        light = light * attenuation(tables.media, medium, sample.distance)
     start = offset_point(surface.place, surface.normal, surface.error, direction)
     # The light's place seen from the moved start, so that the ray still ends on it, at t = 1.
     far = sample.distance == _FAR
@@ -164,7 +169,7 @@ def _survives(worth_tracing, plan, depth, carried, u):
 
 
 @device
-def _go_on(worth_tracing, plan, wave, depth, i, to, surface, into, carried, density):
+def _go_on(worth_tracing, plan, wave, depth, i, to, surface, into, carried, density, inside):
     """Write the ray that goes on to wave column `to`. Returns how many were written: 1, or 0 where the path ends."""
     floats, ints = wave.floats, wave.ints
     factor = _survives(worth_tracing, plan, depth, carried, floats[rows.PICK_V, i])
@@ -178,7 +183,19 @@ def _go_on(worth_tracing, plan, wave, depth, i, to, surface, into, carried, dens
     ints[rows.PIXEL, to] = ints[rows.PIXEL, i]
     ints[rows.SAMPLE, to] = ints[rows.SAMPLE, i]
     ints[rows.OWNER, to] = ints[rows.OWNER, i]
+    wave.longs[rows.INSIDE, to] = inside
     return np.int64(factor * maximum_component(carried) > _ZERO)
+
+
+@device
+def _cross_glass(media, surface, direction, boundary, inside, colour, u):
+    """(direction, weight, media that it is in) of the reflected or the refracted ray of a smooth boundary; within a
+    medium of higher priority there is none."""
+    ratio = medium_ior(media, boundary.behind) / medium_ior(media, boundary.before)
+    side = dot(direction, surface.normal)
+    into, factor = scatter_glass_ray(surface, direction, ratio if side < _ZERO else _ONE / ratio, u)
+    weight = colour * factor if boundary.before != boundary.behind else vec3(_ONE, _ONE, _ONE)
+    return into, weight, boundary.inside if dot(into, surface.normal) * side > _ZERO else inside
 
 
 @device
@@ -193,7 +210,10 @@ def _shade(tables, plan, wave, count, depth):
         owner = np.int64(ints[rows.OWNER, i])
         origin, direction = row_vec3(floats, rows.ORIGIN, i), row_vec3(floats, rows.DIRECTION, i)
         carried, scattered = row_vec3(floats, rows.CARRIED, i), floats[rows.DENSITY, i]
+        inside = longs[rows.INSIDE, i]
         if not is_surface(slot):
+            medium = current_medium(tables.media, inside)
+            carried = carried * attenuation(tables.media, medium, floats[rows.HIT_T, i])
             if slot == LAMP:
                 k = longs[rows.HIT_INSTANCE, i]
                 to_light = direction * floats[rows.HIT_T, i]
@@ -209,6 +229,8 @@ def _shade(tables, plan, wave, count, depth):
         surface = surface_of(tables, origin, direction, hit, wave.scratch)
         material = np.int64(tables.surfaces.items[surface.item, MATERIAL])
         kind = tables.materials.kinds[material]
+        boundary = surface_boundary(tables.media, material, inside, dot(direction, surface.normal) < _ZERO)
+        carried = carried * attenuation(tables.media, boundary.before, hit.t)
         emitted = _emitted(tables, surface, origin, direction, scattered)
         if maximum_component(emitted) > _ZERO:
             add_radiance(wave, owner, carried * emitted)
@@ -221,21 +243,21 @@ def _shade(tables, plan, wave, count, depth):
             shadows += _aim(tables, wave, i, shadows, kind, surface, shading, -direction, colour, carried)
             into, density = scatter_matte(shading, floats[rows.SCATTER_U, i], floats[rows.SCATTER_V, i])
             if dot(into, surface.normal) * dot(direction, surface.normal) < _ZERO:
-                alive += _go_on(worth, plan, wave, depth, i, alive, surface, into, carried * colour, density)
+                alive += _go_on(worth, plan, wave, depth, i, alive, surface, into, carried * colour, density, inside)
         elif kind == LINKED:
             prepare_linked(tables, surface, hit, direction, wave.scratch)
             if tables.materials.scatters[material] != 0:
                 shadows += _aim(tables, wave, i, shadows, kind, surface, direction, direction, colour, carried)
             x, y = floats[rows.SCATTER_U, i], floats[rows.SCATTER_V, i]
             into, weight, density = sample_linked(tables, surface, x, y, floats[rows.PICK_U, i], wave.scratch)
-            alive += _go_on(worth, plan, wave, depth, i, alive, surface, into, carried * weight, density)
+            alive += _go_on(worth, plan, wave, depth, i, alive, surface, into, carried * weight, density, inside)
         elif kind == MIRROR:
             into = mirror_ray(surface, direction)
-            alive += _go_on(worth, plan, wave, depth, i, alive, surface, into, carried * colour, _ZERO)
+            alive += _go_on(worth, plan, wave, depth, i, alive, surface, into, carried * colour, _ZERO, inside)
         else:
-            ior = tables.materials.values[material, 6]
-            into, factor = scatter_glass_ray(surface, direction, ior, floats[rows.PICK_U, i])
-            alive += _go_on(worth, plan, wave, depth, i, alive, surface, into, carried * colour * factor, _ZERO)
+            u = floats[rows.PICK_U, i]
+            into, weight, inside = _cross_glass(tables.media, surface, direction, boundary, inside, colour, u)
+            alive += _go_on(worth, plan, wave, depth, i, alive, surface, into, carried * weight, _ZERO, inside)
     return alive, shadows
 
 

@@ -16,6 +16,7 @@ from isophote.kernels.base.jit import device
 from isophote.kernels.base.sampler import draw_pairs
 from isophote.kernels.base.vec import maximum_component, vec3
 from isophote.kernels.light.emitter import ENVIRONMENT, sample_group
+from isophote.kernels.light.medium import attenuation, current_medium
 from isophote.kernels.trace import ray_tree
 from isophote.kernels.trace import wave as rows
 from isophote.kernels.trace.batch import find_blocked
@@ -104,13 +105,15 @@ def _prepare(tables, tree, wave, surface, at):
 
 
 @device
-def _arriving(lights, row, sample):
-    """What arrives; of an environment without the constant part of the sky, which counts as ambient light."""
+def _arriving(tables, row, sample, inside):
+    """What arrives through the medium around the surface; of an environment without the constant part of the sky, which
+    counts as ambient light."""
+    lights = tables.lights
     radiance = vec3(sample.red, sample.green, sample.blue)
-    if lights.kinds[row] != ENVIRONMENT:
-        return radiance
-    constant = lights.environment.constant
-    return radiance - vec3(constant[0], constant[1], constant[2])
+    if lights.kinds[row] == ENVIRONMENT:
+        constant = lights.environment.constant
+        radiance = radiance - vec3(constant[0], constant[1], constant[2])
+    return radiance * attenuation(tables.media, current_medium(tables.media, inside), sample.distance)
 
 
 @device
@@ -123,15 +126,14 @@ def _aim(tables, tree, wave, log, at, h, first, surface, job):
     if sample.density < _ZERO:
         return 0
     into = vec3(sample.x, sample.y, sample.z)
-    arriving = _arriving(tables.lights, row, sample)
+    i = tree.surface_numbers[ray_tree.COLUMN, first + h]
+    arriving = _arriving(tables, row, sample, wave.longs[rows.INSIDE, i])
     value, _ = evaluate_material(tables, surface, into, wave.scratch)
     factor = _ONE / (sample.density * chance * np.float32(several)) if several > 0 else _ONE
     light = row_vec3(tree.surfaces, ray_tree.SHARE, first + h) * value * arriving * factor
-    i = tree.surface_numbers[ray_tree.COLUMN, first + h]
     trial = np.int64(jobs[job, 1])
-    logged = log_light(
-        log, tree.rays[ray_tree.LOGGED, i], np.int64(tables.lights.groups[group, 3]), trial, sample, value, factor
-    )
+    ray, number = tree.rays[ray_tree.RAY_LOGGED, i], np.int64(tables.lights.groups[group, 3])
+    logged = log_light(log, ray, number, trial, sample, arriving, value, factor)
     start = offset_point(surface.place, surface.normal, surface.error, into)
     # The light's place seen from the moved start, so that the ray still ends on it, at t = 1.
     far = sample.distance == _FAR

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from isophote.kernels.accel.surface import MATERIAL, PUBLIC, face_number
+from isophote.kernels.accel.surface import face_number
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.table import FLOAT_ROWS, LONG_ROWS, LONGS, Table
 from isophote.kernels.base.vec import vec3
@@ -45,7 +45,7 @@ ORIGIN, DIRECTION, WEIGHT, DISTANCE, CORNERS, PLACE, NORMAL, SHADING, UV, TINT, 
 )
 RAY_COLUMNS = 32
 # … of `ray_numbers` …
-PARENT, KIND, LEVEL, ENDED, SAMPLE, MET, ITEM, PRIMITIVE, MATERIAL_ROW = (np.int64(column) for column in range(9))
+PARENT, KIND, LEVEL, ENDED, SAMPLE, FILM_PLACE, MET, ITEM, PRIMITIVE = (np.int64(column) for column in range(9))
 RAY_NUMBERS = 9
 # … of `lights` …
 TOWARDS, REACH, ARRIVING, VALUE, FACTOR = (np.int64(column) for column in (0, 3, 4, 7, 10))
@@ -82,7 +82,7 @@ def log_branch(log, parent, kind, level, ended, origin, direction, weight):
     numbers = log.ray_numbers
     numbers[row, PARENT], numbers[row, KIND], numbers[row, LEVEL], numbers[row, ENDED] = parent, kind, level, ended
     numbers[row, SAMPLE] = numbers[parent, SAMPLE] if parent >= 0 else _NONE
-    numbers[row, ITEM], numbers[row, PRIMITIVE], numbers[row, MATERIAL_ROW] = _NONE, _NONE, _NONE
+    numbers[row, ITEM], numbers[row, PRIMITIVE] = _NONE, _NONE
     return row
 
 
@@ -93,15 +93,16 @@ def log_camera(log, wave, i):
     row = log_branch(log, _NONE, CAMERA, np.int64(0), TRACED, origin, direction, vec3(_ONE, _ONE, _ONE))
     if row >= 0:
         log.ray_numbers[row, SAMPLE] = np.int64(wave.ints[rows.SAMPLE, i])
+        log.ray_numbers[row, FILM_PLACE] = np.int64(wave.ints[rows.PLACE, i])
     return row
 
 
 @device
-def log_terms(log, row, met, distance, tint, emitted, ambient):
-    """What a ray met, and what it gathers there apart from lights and branches."""
+def log_terms(log, row, met, number, distance, tint, emitted, ambient):
+    """What a ray met, with its number for the user, and what it gathers there apart from lights and branches."""
     if row < 0:
         return
-    log.ray_numbers[row, MET] = met
+    log.ray_numbers[row, MET], log.ray_numbers[row, ITEM] = met, number
     log.rays[row, DISTANCE] = distance
     _set(log.rays, row, TINT, tint)
     _set(log.rays, row, EMITTED, emitted)
@@ -119,13 +120,11 @@ def log_hit(log, row, tables, hit, surface):
     _set(values, row, NORMAL, surface.normal)
     _set(values, row, SHADING, surface.shading)
     values[row, UV], values[row, UV + 1] = surface.u, surface.v
-    numbers[row, ITEM] = tables.surfaces.items[surface.item, PUBLIC]
     numbers[row, PRIMITIVE] = face_number(tables.surfaces, surface.item, surface.triangle)
-    numbers[row, MATERIAL_ROW] = tables.surfaces.items[surface.item, MATERIAL]
 
 
 @device
-def log_light(log, ray, light, trial, sample, value, factor):
+def log_light(log, ray, light, trial, sample, arriving, value, factor):
     """A row for one sample of one light, seen or not, or −1."""
     if ray < 0:
         return _NONE
@@ -135,7 +134,7 @@ def log_light(log, ray, light, trial, sample, value, factor):
         return _NONE
     _set(log.lights, row, TOWARDS, vec3(sample.x, sample.y, sample.z))
     log.lights[row, REACH] = sample.distance
-    _set(log.lights, row, ARRIVING, vec3(sample.red, sample.green, sample.blue))
+    _set(log.lights, row, ARRIVING, arriving)
     _set(log.lights, row, VALUE, value)
     log.lights[row, FACTOR] = factor
     log.light_numbers[row, RAY], log.light_numbers[row, LIGHT] = ray, light

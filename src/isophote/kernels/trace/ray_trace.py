@@ -12,15 +12,14 @@ from __future__ import annotations
 import numpy as np
 
 from isophote.kernels.accel.geometry import Hit
-from isophote.kernels.accel.surface import MATERIAL, offset_point
+from isophote.kernels.accel.surface import MATERIAL, PUBLIC, offset_point
 from isophote.kernels.base.jit import device, kernel
-from isophote.kernels.base.sampler import pair
 from isophote.kernels.base.vec import dot, maximum_component, vec3
 from isophote.kernels.base.warp import to_disk
 from isophote.kernels.light.bsdf import GLASS
 from isophote.kernels.light.emitter import lamp_radiance
 from isophote.kernels.light.environment import environment_radiance
-from isophote.kernels.light.medium import Boundary, attenuation, current_medium, medium_ior, meet_boundary
+from isophote.kernels.light.medium import attenuation, current_medium, medium_ior, surface_boundary
 from isophote.kernels.trace import ray_log, ray_tree
 from isophote.kernels.trace import wave as rows
 from isophote.kernels.trace.batch import LAMP, trace_rays
@@ -30,7 +29,7 @@ from isophote.kernels.trace.material import branch_material, prepare_material, s
 from isophote.kernels.trace.ray_lights import light_surfaces, remember_surface
 from isophote.kernels.trace.ray_log import LOG, log_camera, log_hit, log_terms
 from isophote.kernels.trace.ray_tree import TREE, branch, gather, next_level, start_trees, sum_levels, take
-from isophote.kernels.trace.samples import Tile, develop, start_paths
+from isophote.kernels.trace.samples import Tile, develop, draw, start_paths
 from isophote.kernels.trace.shading import surface_colour, surface_emission
 from isophote.kernels.trace.tables import FILM, PLAN, SCENE
 from isophote.kernels.trace.wave import add_radiance, row_vec3
@@ -51,24 +50,15 @@ def _meet_light(tables, tree, wave, log, i):
     floats, longs = wave.floats, wave.longs
     origin, direction, t = row_vec3(floats, rows.ORIGIN, i), row_vec3(floats, rows.DIRECTION, i), floats[rows.HIT_T, i]
     if longs[rows.HIT_SLOT, i] == LAMP:
-        met = ray_log.LAMP
+        met, number = ray_log.LAMP, np.int64(tables.lights.numbers[longs[rows.HIT_INSTANCE, i]])
         emitted = lamp_radiance(tables.lights, longs[rows.HIT_INSTANCE, i], origin + direction * t, direction)
     else:
-        met, t = ray_log.NOTHING, np.float32(np.inf)
+        met, number = ray_log.NOTHING, np.int64(-1)
         emitted = environment_radiance(tables.lights.environment, direction)
-    tint = attenuation(tables.media, current_medium(tables.media, tree.rays[ray_tree.INSIDE, i]), t)
-    log_terms(log, tree.rays[ray_tree.LOGGED, i], met, t, tint, emitted, vec3(_ZERO, _ZERO, _ZERO))
+    tint = attenuation(tables.media, current_medium(tables.media, wave.longs[rows.INSIDE, i]), t)
+    nothing = vec3(_ZERO, _ZERO, _ZERO)
+    log_terms(log, tree.rays[ray_tree.RAY_LOGGED, i], met, number, t, tint, emitted, nothing)
     add_radiance(wave, i, row_vec3(floats, rows.CARRIED, i) * tint * emitted)
-
-
-@device
-def _boundary(media, material, inside, entering):
-    """The media before and behind a surface; the same where its material holds none."""
-    medium = np.int64(media.of_material[material])
-    if medium != 0:
-        return meet_boundary(media, inside, medium, entering)
-    current = current_medium(media, inside)
-    return Boundary(current, current, inside)
 
 
 @device
@@ -80,15 +70,14 @@ def _emitted(tables, surface, direction):
 
 
 @device
-def _ambient(tables, plan, wave, i, surface):
+def _ambient(tables, wave, i, surface):
     """What a surface scatters of a constant sky with nothing in its way; of matte ones, colour times radiance."""
     floats = tables.lights.environment.constant
     constant = vec3(floats[0], floats[1], floats[2])
     if maximum_component(constant) <= _ZERO:
         return constant
-    pixel, sample = wave.ints[rows.PIXEL, i], wave.ints[rows.SAMPLE, i]
-    u, v = pair(plan.pattern, plan.seed, pixel, sample, plan.samples, _SCATTER)
-    pick, _ = pair(plan.pattern, plan.seed, pixel, sample, plan.samples, _PICK)
+    floats = wave.floats
+    u, v, pick = floats[rows.SCATTER_U, i], floats[rows.SCATTER_V, i], floats[rows.PICK_U, i]
     x, y = to_disk(u, v)
     _, weight, density = sample_material(tables, surface, x, y, pick, wave.scratch)
     # Single directions are branches of the tree.
@@ -110,7 +99,7 @@ def _branch_glass(tables, tree, wave, log, levels, level, i, surface, direction,
         return
     ratio = medium_ior(tables.media, boundary.behind) / medium_ior(tables.media, boundary.before)
     share, reflected, refracted = split_ray(surface, direction, ratio)
-    inside, colour = tree.rays[ray_tree.INSIDE, i], surface_colour(tables, surface)
+    inside, colour = wave.longs[rows.INSIDE, i], surface_colour(tables, surface)
     for k in range(2):
         into = reflected if k == 0 else refracted
         # Radiance is squeezed into a smaller cone behind the boundary (bsdf.py).
@@ -124,7 +113,7 @@ def _branch_glass(tables, tree, wave, log, levels, level, i, surface, direction,
 @device
 def _branch_any(tables, tree, wave, log, levels, level, i, surface, direction, carried):
     """The rays in all single directions that a material sends light to."""
-    inside = tree.rays[ray_tree.INSIDE, i]
+    inside = wave.longs[rows.INSIDE, i]
     material = np.int64(tables.surfaces.items[surface.item, MATERIAL])
     for k in range(tables.materials.branches[material]):
         into, weight = branch_material(tables, surface, k, wave.scratch)
@@ -144,17 +133,18 @@ def _meet_surface(tables, plan, tree, wave, log, level, i, lit):
     surface = surface_of(tables, origin, direction, hit, wave.scratch)
     material = np.int64(tables.surfaces.items[surface.item, MATERIAL])
     prepare_material(tables, surface, hit, direction, wave.scratch)
-    inside = tree.rays[ray_tree.INSIDE, i]
-    boundary = _boundary(tables.media, material, inside, dot(direction, surface.normal) < _ZERO)
+    inside = wave.longs[rows.INSIDE, i]
+    boundary = surface_boundary(tables.media, material, inside, dot(direction, surface.normal) < _ZERO)
     tint = attenuation(tables.media, boundary.before, t)
     carried = row_vec3(floats, rows.CARRIED, i) * tint
     emitted, ambient = _emitted(tables, surface, direction), vec3(_ZERO, _ZERO, _ZERO)
     scatters = tables.materials.scatters[material] != 0
     if scatters:
         remember_surface(tree, lit, i, surface, carried)
-        ambient = _ambient(tables, plan, wave, i, surface)
-    logged = tree.rays[ray_tree.LOGGED, i]
-    log_terms(log, logged, ray_log.SURFACE, t, tint, emitted, ambient)
+        ambient = _ambient(tables, wave, i, surface)
+    logged = tree.rays[ray_tree.RAY_LOGGED, i]
+    number = np.int64(tables.surfaces.items[surface.item, PUBLIC])
+    log_terms(log, logged, ray_log.SURFACE, number, t, tint, emitted, ambient)
     log_hit(log, logged, tables, hit, surface)
     add_radiance(wave, i, carried * (emitted + ambient))
     levels = plan.max_depth
@@ -168,6 +158,8 @@ def _meet_surface(tables, plan, tree, wave, log, level, i, lit):
 @device
 def _shade(tables, plan, tree, wave, log, level, count):
     """What every ray gathers, lights apart. Returns how many surfaces lights shine on."""
+    draw(plan, wave, count, _PICK, rows.PICK_U)
+    draw(plan, wave, count, _SCATTER, rows.SCATTER_U)
     lit = np.int64(0)
     for i in range(count):
         if is_surface(wave.longs[rows.HIT_SLOT, i]):
@@ -197,7 +189,7 @@ def ray_trace_tile(scene_words, plan_words, film_words, wave_words, tree_words, 
     while trees > 0:
         start_trees(tree, levels, trees)
         for i in range(trees):
-            tree.rays[ray_tree.LOGGED, i] = log_camera(log, wave, i)
+            tree.rays[ray_tree.RAY_LOGGED, i] = log_camera(log, wave, i)
         count, level = trees, np.int64(0)
         while count > 0:
             # Rays of one pixel leave the camera together; later ones go every way.

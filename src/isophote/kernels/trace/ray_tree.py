@@ -34,10 +34,10 @@ __all__ = [
 ORIGIN, DIRECTION, CARRIED, FLOATS_A_LEVEL = np.int64(0), np.int64(3), np.int64(6), np.int64(9)
 # Words: key of its sample numbers, number of the pixel's sample, wave column of the tree.
 KEY, SAMPLE, OWNER, WORDS_A_LEVEL = np.int64(0), np.int64(1), np.int64(2), np.int64(3)
-# Longs: media that it is in (medium.py), and its row in the log, both also of the wave's rays, in `rays`.
+# Longs: media that it is in (medium.py), and its row in the log.
 INSIDE, LOGGED, LONGS_A_LEVEL = np.int64(0), np.int64(1), np.int64(2)
-# More rows of `rays`: how many rays each tree has so far, and the rows of shadow rays in the log.
-COUNT, SHADOW_LOGGED, RAY_ROWS = np.int64(2), np.int64(3), 4
+# Rows of `rays`: how many rays each tree has so far, and the rows in the log of the wave's rays and shadow rays.
+COUNT, RAY_LOGGED, SHADOW_LOGGED, RAY_ROWS = np.int64(0), np.int64(1), np.int64(2), 3
 # Columns of `waiting`: those taken, and all.
 TAKEN, END = np.int64(0), np.int64(1)
 
@@ -51,7 +51,7 @@ DRAW_KEY, DRAW_SAMPLE, KEY_ROWS = 0, 1, 2
 _ZERO, _ONE, _FAR = np.float32(0), np.float32(1), np.float32(np.inf)
 _U = np.uint32
 
-# `floats`, `words`, `longs`, `waiting`: the lists above, level by level; `rays` (4, wave); `sums` (3 · levels, wave);
+# `floats`, `words`, `longs`, `waiting`: the lists above, level by level; `rays` (3, wave); `sums` (3 · levels, wave);
 # `surfaces`, `surface_numbers`; `jobs` (n, 3): each sample of each light as its group, its number and how many samples
 # that light gets; `draws` (2 n, h): their sample numbers for h surfaces; `keys` (2, h). `least`: what rays must carry.
 # `traced` (pixels,): rays of each pixel.
@@ -99,7 +99,6 @@ def new_tree(
 def start_trees(tree, levels, count):
     """Begin the trees of the camera rays in wave columns 0 … count − 1."""
     for i in range(count):
-        tree.rays[INSIDE, i] = 0
         tree.rays[COUNT, i] = 0
     for row in range(3 * levels):
         for i in range(count):
@@ -113,7 +112,7 @@ def branch(tree, log, wave, levels, level, i, kind, inside, start, into, carried
     shown = carried * weight
     deep = level + 1 >= levels
     ended = ENDED_BY_DEPTH if deep else (ENDED_BY_WEIGHT if maximum_component(shown) < tree.least else 0)
-    logged = log_branch(log, tree.rays[LOGGED, i], kind, level + 1, ended, start, into, weight)
+    logged = log_branch(log, tree.rays[RAY_LOGGED, i], kind, level + 1, ended, start, into, weight)
     if ended != 0 or maximum_component(shown) <= _ZERO:
         return
     below = level + 1
@@ -162,8 +161,8 @@ def take(tree, wave, level):
         ints[rows.PIXEL, i] = tree.words[words + KEY, at]
         ints[rows.SAMPLE, i] = tree.words[words + SAMPLE, at]
         ints[rows.OWNER, i] = tree.words[words + OWNER, at]
-        tree.rays[INSIDE, i] = tree.longs[longs + INSIDE, at]
-        tree.rays[LOGGED, i] = tree.longs[longs + LOGGED, at]
+        wave.longs[rows.INSIDE, i] = tree.longs[longs + INSIDE, at]
+        tree.rays[RAY_LOGGED, i] = tree.longs[longs + LOGGED, at]
     return count
 
 

@@ -38,9 +38,9 @@ FLOAT_COUNT = 32
 PIXEL, SAMPLE, OWNER, SHADOW_OWNER, BLOCKED, PLACE = 0, 1, 2, 3, 4, 5
 INT_COUNT = 6
 
-# Long rows: slot and instance of the hit, order in which packets take rays.
-HIT_SLOT, HIT_INSTANCE, ORDER = 0, 1, 2
-LONG_COUNT = 3
+# Long rows: slot and instance of the hit, order in which packets take rays, media that the ray is in (medium.py).
+HIT_SLOT, HIT_INSTANCE, ORDER, INSIDE = 0, 1, 2, 3
+LONG_COUNT = 4
 
 
 # `floats`, `ints`, `longs`: the rows above; `scratch` for the traversal.

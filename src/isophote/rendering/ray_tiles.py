@@ -1,0 +1,106 @@
+"""All that the kernel of ray tracing is given for one picture."""
+
+from __future__ import annotations
+
+from typing import Protocol, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from isophote.errors import RenderError
+from isophote.kernels.base.table import Packed
+from isophote.kernels.trace.ray_log import LIGHT_COLUMNS, LIGHT_NUMBERS, LOG, RAY_COLUMNS, RAY_NUMBERS
+from isophote.kernels.trace.ray_trace import ray_trace_tile
+from isophote.kernels.trace.ray_tree import new_tree
+from isophote.kernels.trace.tables import PLAN
+from isophote.kernels.trace.wave import new_wave
+from isophote.lower.field_table import scratch_words
+from isophote.rendering.film import Film
+from isophote.rendering.method import Job
+from isophote.rendering.passes import PATTERNS, Limits
+from isophote.rendering.pixel_filter import PixelFilter, as_pixel_filter, filter_table
+from isophote.rendering.pool import Tile
+
+__all__ = ["RaySettings", "RayTiles", "new_log"]
+
+Counts: TypeAlias = npt.NDArray[np.int64]
+
+# Rays that are traced together; not a power of two (path_trace.py).
+_WAVE = 1040
+# Light samples of a surface at most, over all lights: their numbers are kept for several surfaces at once.
+_MOST_JOBS = 2**20
+
+
+class RaySettings(Protocol):
+    """What ray tracing is told; see `RayTrace`."""
+
+    @property
+    def depth(self) -> int: ...
+    @property
+    def light_samples(self) -> int: ...
+    @property
+    def min_weight(self) -> float: ...
+    @property
+    def filter(self) -> str | PixelFilter: ...
+    @property
+    def pattern(self) -> str: ...
+    @property
+    def limits(self) -> Limits: ...
+
+
+class RayTiles:
+    """The film of a lowered scene's picture, `rays` (h, w), the number of rays of each pixel, and what fills them."""
+
+    def __init__(self, settings: RaySettings, scene: Packed, job: Job, threads: int, log: Packed | None = None) -> None:
+        table = filter_table(as_pixel_filter(settings.filter))
+        width, height = job.size
+        self.film = Film(job.size, table)
+        self.rays: Counts = np.zeros((height, width), np.int64)
+        self._scene = scene
+        self._plan = PLAN.pack(
+            width=width,
+            height=height,
+            samples=settings.limits.planned,
+            seed=job.seed,
+            pattern=PATTERNS[settings.pattern],
+            offsets=table.offsets,
+            crossings=table.crossings,
+            max_depth=settings.depth,
+            roulette_depth=settings.depth,
+        )
+        self._log = new_log(0, 0) if log is None else log
+        words = scratch_words(scene.arrays["fields"])
+        jobs, flat = _light_jobs(scene, settings.light_samples), self.rays.reshape(-1)
+        self._waves = [new_wave(_WAVE, words) for _ in range(threads)]
+        self._trees = [new_tree(_WAVE, settings.depth, jobs, settings.min_weight, flat) for _ in range(threads)]
+
+    def trace(self, tile: Tile, thread: int) -> None:
+        """Trace the samples that a tile's pixels are short of."""
+        own = self._waves[thread].words, self._trees[thread].words
+        ray_trace_tile(self._scene.words, self._plan.words, self.film.words, *own, self._log.words, *tile)
+
+
+def _light_jobs(scene: Packed, light_samples: int) -> npt.NDArray[np.int32]:
+    """(n, 3): all samples of all lights, as TREE has them. Raises `RenderError` where there are too many."""
+    groups = scene.arrays["lights"].arrays["groups"]
+    counts = np.where(groups[:, 2] != 0, light_samples, 1)
+    if counts.sum() > _MOST_JOBS:
+        raise RenderError(
+            f"RayTrace aims at every light: {counts.sum():,} shadow rays from each surface are more than "
+            f"{_MOST_JOBS:,}; give fewer lights or light_samples, or use PathTrace"
+        )
+    number = np.repeat(np.arange(len(groups)), counts)
+    trial = np.arange(len(number)) - np.repeat(np.cumsum(counts) - counts, counts)
+    several = np.where(groups[:, 2] != 0, light_samples, 0)[number]
+    return np.stack([number, trial, several], axis=1).astype(np.int32).reshape(-1, 3)
+
+
+def new_log(rays: int, lights: int) -> Packed:
+    """A log with room for so many rays and samples of lights; without room it takes nothing down."""
+    return LOG.pack(
+        rays=np.zeros((rays, RAY_COLUMNS), np.float32),
+        ray_numbers=np.zeros((rays, RAY_NUMBERS), np.int64),
+        lights=np.zeros((lights, LIGHT_COLUMNS), np.float32),
+        light_numbers=np.zeros((lights, LIGHT_NUMBERS), np.int64),
+        counts=np.zeros(2, np.int64),
+    )
