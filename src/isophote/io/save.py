@@ -6,6 +6,7 @@ from functools import singledispatch
 
 from isophote.errors import FileError
 from isophote.io.files import StrPath
+from isophote.scene.measured import Measured
 from isophote.scene.scene import Scene
 from isophote.shapes.field.field import Field
 from isophote.shapes.mesh import Mesh
@@ -22,7 +23,7 @@ def save(thing: object, path: StrPath, **options: object) -> None:
     `Field` goes to the same, as the mesh that `to_mesh` makes with its options, `cell` or `tolerance` say, and else
     with 128 cells along its longest side; and to .html, a page that stands alone. A `Scene` goes to .glb and .gltf,
     with its materials, textures, camera, point lights and suns, and to .obj with .mtl and .png beside it; an `Image`
-    to .png, .exr and other endings of pictures.
+    to .png, .exr and other endings of pictures. A `Measured` goes to .binary, MERL's format.
 
     Raises `FileError` for endings that are not known for this thing, for what the format cannot hold
     and where the file cannot be written. What a format merely has no place for is left out, with an
@@ -51,6 +52,13 @@ def _(thing: Field, path: StrPath, **options: object) -> None:
     from isophote.io.field_file import save_field
 
     save_field(thing, path, **options)
+
+
+@save.register
+def _(thing: Measured, path: StrPath, **options: object) -> None:
+    from isophote.io.brdf_file import save_brdf
+
+    save_brdf(thing, path, **options)
 
 
 def _known() -> str:
