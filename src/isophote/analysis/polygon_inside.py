@@ -9,10 +9,11 @@ import numpy as np
 import numpy.typing as npt
 
 from isophote.analysis.crew import pieces, run
+from isophote.analysis.predicates import orient2d
 from isophote.errors import GeometryError
 from isophote.kernels.measure.polygon_winding import fill_strips, polygon_windings
 
-__all__ = ["point_in_polygon"]
+__all__ = ["point_in_convex_polygon", "point_in_polygon"]
 
 Rule: TypeAlias = Literal["nonzero", "evenodd", "positive", "negative"]
 Points: TypeAlias = npt.NDArray[np.float64]
@@ -44,6 +45,44 @@ def point_in_polygon(
         run(polygon_windings, [(edges, *strips, query, *p, numbers, on) for p in pieces(len(query), _A_JOB)])
     inside = {"nonzero": numbers != 0, "evenodd": numbers % 2 != 0, "positive": numbers > 0, "negative": numbers < 0}
     return np.where(on != 0, 0, np.where(inside[rule], 1, -1)).astype(np.int8)
+
+
+def point_in_convex_polygon(polygon: npt.ArrayLike, points: npt.ArrayLike) -> npt.NDArray[np.int8]:
+    """(n,) int8: 1 for `points`, (n, 2), inside of a convex `polygon`, (k, 2), 0 on its boundary, -1 outside.
+
+    By half-planes: a point is inside that lies to the left of every edge, counterclockwise, or to the right of every
+    edge. Exact for all doubles, and the same answer as `point_in_polygon`. Raises `GeometryError` for polygons that are
+    not convex, go round more than once or have no area, coordinates that are not finite, and wrong shapes.
+    """
+    query, ring = _coordinates(points, "points"), _coordinates(polygon, "polygon")
+    edges = np.roll(ring, -1, axis=0) - ring
+    ring = ring[(edges != 0).any(axis=1)]
+    before, after = np.roll(ring, 1, axis=0), np.roll(ring, -1, axis=0)
+    turns = orient2d(before, ring, after) if len(ring) else np.zeros(0, np.int8)
+    way = int(turns[np.flatnonzero(turns)[0]]) if turns.any() else 0
+    if way == 0:
+        raise GeometryError("polygon has no area: its corners lie on a line")
+    if (turns == -way).any():
+        raise GeometryError(f"polygon is not convex at corner {int(np.argmax(turns == -way))}; take point_in_polygon")
+    if _goes_back(ring, turns) or abs(_turnings(ring)) != 1:
+        raise GeometryError("polygon is not convex: it goes back on itself, or round more than once")
+    sides = np.ones(len(query), np.int8)
+    for start, end in zip(ring, after, strict=True):
+        np.minimum(sides, way * orient2d(start, end, query), out=sides)
+    return sides
+
+
+def _goes_back(ring: Points, turns: npt.NDArray[np.int8]) -> bool:
+    """Whether an edge goes back along the one before."""
+    before, after = ring - np.roll(ring, 1, axis=0), np.roll(ring, -1, axis=0) - ring
+    return bool(((turns == 0) & ((np.sign(before) * np.sign(after)) < 0).any(axis=1)).any())
+
+
+def _turnings(ring: Points) -> int:
+    """How often the edges of a ring that turns one way only go round: changes from downward to upward and back."""
+    rise = np.roll(ring, -1, axis=0) - ring
+    upward = np.where(rise[:, 1] != 0, rise[:, 1] > 0, rise[:, 0] > 0)
+    return int((upward != np.roll(upward, 1)).sum()) // 2
 
 
 def _coordinates(values: npt.ArrayLike, what: str) -> Points:

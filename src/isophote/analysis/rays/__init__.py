@@ -1,0 +1,1 @@
+"""Rays against single shapes, over arrays, in double precision."""
