@@ -22,7 +22,7 @@ _DATA = re.compile(r"^\s*data:\s*[|>]")
 
 
 def load_metal(path: StrPath, roughness: Any = 0.3, **rest: Any) -> Metal:
-    """A `Metal` by the wavelengths (µm), n and k of a .yml file of refractiveindex.info; `roughness` and `rest` as there.
+    """A `Metal` by a .yml file of refractiveindex.info: wavelengths in µm, n and k; `rest` is as there.
 
     The table must be of type "tabulated nk", or there must be one of "tabulated n" and one of "tabulated k", and reach
     from 0.4 to 0.7 µm. Raises `FileError` where it does not, and for files that are not such.
