@@ -17,9 +17,18 @@ import numpy as np
 
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.table import FLOAT_ROWS, INTS, Table
-from isophote.kernels.base.vec import vec3
+from isophote.kernels.base.vec import dot, vec3
 
-__all__ = ["MEDIA", "Boundary", "attenuation", "current_medium", "medium_ior", "meet_boundary", "surface_boundary"]
+__all__ = [
+    "MEDIA",
+    "Boundary",
+    "attenuation",
+    "current_medium",
+    "medium_ior",
+    "medium_towards",
+    "meet_boundary",
+    "surface_boundary",
+]
 
 _BITS, _ONE_ENTRY, _OTHERS = np.int64(16), np.int64(0xFFFF), np.int64(0xFFFFFFFFFFFF)
 _IOR, _PRIORITY, _ABSORPTION = np.int64(0), np.int64(1), np.int64(2)
@@ -104,6 +113,13 @@ def medium_ior(media, medium):
 @device
 def _transmitted(coefficient, distance):
     return math.exp(-coefficient * distance) if coefficient > _ZERO else _ONE
+
+
+@device
+def medium_towards(boundary, normal, direction, into):
+    """The medium that light goes through which comes to a surface from `into`, seen along `direction`."""
+    through = dot(normal, into) * dot(normal, direction) > _ZERO
+    return boundary.behind if through else boundary.before
 
 
 @device

@@ -1,17 +1,41 @@
-"""The two rays that leave a smooth boundary between clear media."""
+"""Boundaries between clear media as rays meet them."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from isophote.kernels.base.jit import device
-from isophote.kernels.base.vec import dot
-from isophote.kernels.light.bsdf import fresnel_dielectric
+from isophote.kernels.base.vec import dot, store_vec3, vec3
+from isophote.kernels.brdf import contract
+from isophote.kernels.light.bsdf import GLASS, LINKED, fresnel_dielectric
+from isophote.kernels.light.medium import medium_ior
 from isophote.kernels.trace.shading import seen_normal
 
-__all__ = ["split_ray"]
+__all__ = ["goes_smoothly", "set_relative_index", "split_ray"]
 
-_ZERO = np.float32(0)
+_ZERO, _ONE = np.float32(0), np.float32(1)
+
+
+@device
+def goes_smoothly(tables, material, boundary):
+    """Whether a ray meets a smooth boundary of clear media: facets of a rough one that does not bend light are none."""
+    kind = tables.materials.kinds[material]
+    if kind == GLASS:
+        return True
+    if kind != LINKED or tables.media.of_material[material] == 0:
+        return False
+    return medium_ior(tables.media, boundary.before) == medium_ior(tables.media, boundary.behind)
+
+
+@device
+def set_relative_index(tables, material, boundary, entering, scratch):
+    """Give rough glass, once prepared, its index of refraction relative to the medium around it; the first of its
+    parameters."""
+    if tables.media.of_material[material] == 0:
+        return
+    ratio = medium_ior(tables.media, boundary.behind) / medium_ior(tables.media, boundary.before)
+    ior = ratio if entering else _ONE / ratio
+    store_vec3(scratch, contract.PARAMETERS, vec3(ior, ior, ior))
 
 
 @device

@@ -18,7 +18,7 @@ from isophote.kernels.accel.surface import MATERIAL, offset_point, triangle_ligh
 from isophote.kernels.base.jit import device, kernel
 from isophote.kernels.base.vec import dot, maximum_component, vec3
 from isophote.kernels.base.warp import INV_PI, to_disk
-from isophote.kernels.light.bsdf import BLACK, LINKED, MATTE, MIRROR, scatter_matte
+from isophote.kernels.light.bsdf import BLACK, LINKED, MATTE, scatter_matte
 from isophote.kernels.light.emitter import (
     lamp_radiance,
     light_density,
@@ -26,9 +26,16 @@ from isophote.kernels.light.emitter import (
     sample_light,
 )
 from isophote.kernels.light.environment import environment_density, environment_radiance
-from isophote.kernels.light.medium import attenuation, current_medium, medium_ior, surface_boundary
+from isophote.kernels.light.medium import (
+    attenuation,
+    current_medium,
+    medium_ior,
+    medium_towards,
+    surface_boundary,
+)
 from isophote.kernels.trace import wave as rows
 from isophote.kernels.trace.batch import LAMP, trace_rays, trace_shadow_rays
+from isophote.kernels.trace.boundary import goes_smoothly, set_relative_index
 from isophote.kernels.trace.direct import is_surface, surface_of
 from isophote.kernels.trace.material import evaluate_linked, prepare_linked, sample_linked
 from isophote.kernels.trace.samples import FIRST, Tile, develop, draw, start_paths
@@ -125,7 +132,7 @@ def _towards_light(tables, wave, kind, surface, shading, out, colour, direction)
 
 
 @device
-def _aim(tables, wave, i, at, kind, surface, shading, out, colour, carried):
+def _aim(tables, wave, i, at, kind, surface, boundary, shading, out, colour, carried):
     """Aim at a light; the shadow ray goes to wave column `at`. Returns how many were made."""
     lights = tables.lights
     if lights.kinds.rows == 0:
@@ -139,8 +146,8 @@ def _aim(tables, wave, i, at, kind, surface, shading, out, colour, carried):
     p = chance * sample.density
     weight = p / (p * p + q * q) if p > _ZERO else _ONE / chance
     light = carried * value * vec3(sample.red, sample.green, sample.blue) * weight
-    # Light that nothing blocks comes through the medium that the surface is in.
-    medium = current_medium(tables.media, wave.longs[rows.INSIDE, i])
+    # Light that nothing blocks comes through one medium all the way.
+    medium = medium_towards(boundary, surface.normal, row_vec3(floats, rows.DIRECTION, i), direction)
     if medium != 0:
         light = light * attenuation(tables.media, medium, sample.distance)
     start = offset_point(surface.place, surface.normal, surface.error, direction)
@@ -240,24 +247,28 @@ def _shade(tables, plan, wave, count, depth):
         if kind == MATTE:
             shading = seen_normal(surface, direction)
             shading = shading if dot(direction, shading) < _ZERO else -shading
-            shadows += _aim(tables, wave, i, shadows, kind, surface, shading, -direction, colour, carried)
+            shadows += _aim(tables, wave, i, shadows, kind, surface, boundary, shading, -direction, colour, carried)
             into, density = scatter_matte(shading, floats[rows.SCATTER_U, i], floats[rows.SCATTER_V, i])
             if dot(into, surface.normal) * dot(direction, surface.normal) < _ZERO:
                 alive += _go_on(worth, plan, wave, depth, i, alive, surface, into, carried * colour, density, inside)
-        elif kind == LINKED:
-            prepare_linked(tables, surface, hit, direction, wave.scratch)
-            if tables.materials.scatters[material] != 0:
-                shadows += _aim(tables, wave, i, shadows, kind, surface, direction, direction, colour, carried)
-            x, y = floats[rows.SCATTER_U, i], floats[rows.SCATTER_V, i]
-            into, weight, density = sample_linked(tables, surface, x, y, floats[rows.PICK_U, i], wave.scratch)
-            alive += _go_on(worth, plan, wave, depth, i, alive, surface, into, carried * weight, density, inside)
-        elif kind == MIRROR:
-            into = mirror_ray(surface, direction)
-            alive += _go_on(worth, plan, wave, depth, i, alive, surface, into, carried * colour, _ZERO, inside)
-        else:
+        elif goes_smoothly(tables, material, boundary):
             u = floats[rows.PICK_U, i]
             into, weight, inside = _cross_glass(tables.media, surface, direction, boundary, inside, colour, u)
             alive += _go_on(worth, plan, wave, depth, i, alive, surface, into, carried * weight, _ZERO, inside)
+        elif kind == LINKED:
+            prepare_linked(tables, surface, hit, direction, wave.scratch)
+            set_relative_index(tables, material, boundary, dot(direction, surface.normal) < _ZERO, wave.scratch)
+            if tables.materials.scatters[material] != 0:
+                shadows += _aim(
+                    tables, wave, i, shadows, kind, surface, boundary, direction, direction, colour, carried
+                )
+            x, y = floats[rows.SCATTER_U, i], floats[rows.SCATTER_V, i]
+            into, weight, density = sample_linked(tables, surface, x, y, floats[rows.PICK_U, i], wave.scratch)
+            inside = boundary.inside if dot(into, surface.normal) * dot(direction, surface.normal) > _ZERO else inside
+            alive += _go_on(worth, plan, wave, depth, i, alive, surface, into, carried * weight, density, inside)
+        else:
+            into = mirror_ray(surface, direction)
+            alive += _go_on(worth, plan, wave, depth, i, alive, surface, into, carried * colour, _ZERO, inside)
     return alive, shadows
 
 

@@ -11,30 +11,33 @@ from __future__ import annotations
 import numpy as np
 
 from isophote.kernels.accel.geometry import Hit
-from isophote.kernels.accel.surface import Surface, offset_point
+from isophote.kernels.accel.surface import MATERIAL, Surface, offset_point
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.sampler import draw_pairs
-from isophote.kernels.base.vec import maximum_component, vec3
+from isophote.kernels.base.vec import dot, maximum_component, vec3
+from isophote.kernels.light.bsdf import LINKED
 from isophote.kernels.light.emitter import ENVIRONMENT, sample_group
-from isophote.kernels.light.medium import attenuation, current_medium
+from isophote.kernels.light.medium import Boundary, attenuation, medium_towards
 from isophote.kernels.trace import ray_tree
 from isophote.kernels.trace import wave as rows
 from isophote.kernels.trace.batch import find_blocked
+from isophote.kernels.trace.boundary import set_relative_index
 from isophote.kernels.trace.material import evaluate_material, prepare_material
 from isophote.kernels.trace.ray_log import log_light, log_visible
 from isophote.kernels.trace.samples import FIRST
 from isophote.kernels.trace.wave import add_radiance, row_vec3, set_row_vec3
 
-__all__ = ["light_surfaces", "remember_surface"]
+__all__ = ["light_surfaces", "prepare_surface", "remember_surface"]
 
 _ZERO, _ONE = np.float32(0), np.float32(1)
 _FAR = np.float32(np.inf)
+_NO_LIST = np.int64(0)
 # As in path.py: a shadow ray ends this much short of its light.
 _SHADOW_END = np.float32(1 - 1e-4)
 
 
 @device
-def remember_surface(tree, at, i, surface, carried):
+def remember_surface(tree, at, i, surface, boundary, carried):
     """Note a surface that the ray in wave column `i` met, for lights to shine on, in column `at`."""
     floats, numbers = tree.surfaces, tree.surface_numbers
     set_row_vec3(floats, ray_tree.PLACE, at, surface.place)
@@ -44,6 +47,7 @@ def remember_surface(tree, at, i, surface, carried):
     floats[ray_tree.ERROR, at] = surface.error
     floats[ray_tree.U, at], floats[ray_tree.V, at] = surface.u, surface.v
     numbers[ray_tree.COLUMN, at] = i
+    numbers[ray_tree.BEFORE, at], numbers[ray_tree.BEHIND, at] = boundary.before, boundary.behind
     numbers[ray_tree.ITEM, at], numbers[ray_tree.TRIANGLE, at] = surface.item, surface.triangle
 
 
@@ -90,8 +94,23 @@ def _draw_jobs(plan, tree, wave, first, count):
 
 
 @device
+def prepare_surface(tables, surface, boundary, hit, direction, scratch):
+    """Make ready what a surface's material is evaluated with."""
+    material = np.int64(tables.surfaces.items[surface.item, MATERIAL])
+    prepare_material(tables, surface, hit, direction, scratch)
+    if tables.materials.kinds[material] == LINKED:
+        set_relative_index(tables, material, boundary, dot(direction, surface.normal) < _ZERO, scratch)
+
+
+@device
+def _boundary(tree, at):
+    numbers = tree.surface_numbers
+    return Boundary(numbers[ray_tree.BEFORE, at], numbers[ray_tree.BEHIND, at], _NO_LIST)
+
+
+@device
 def _prepare(tables, tree, wave, surface, at):
-    """Make ready what the surface in column `at` is evaluated with."""
+    """`prepare_surface` for the surface in column `at`."""
     floats, longs = wave.floats, wave.longs
     i = tree.surface_numbers[ray_tree.COLUMN, at]
     hit = Hit(
@@ -101,19 +120,20 @@ def _prepare(tables, tree, wave, surface, at):
         longs[rows.HIT_SLOT, i],
         longs[rows.HIT_INSTANCE, i],
     )
-    prepare_material(tables, surface, hit, row_vec3(floats, rows.DIRECTION, i), wave.scratch)
+    direction = row_vec3(floats, rows.DIRECTION, i)
+    prepare_surface(tables, surface, _boundary(tree, at), hit, direction, wave.scratch)
 
 
 @device
-def _arriving(tables, row, sample, inside):
-    """What arrives through the medium around the surface; of an environment without the constant part of the sky, which
+def _arriving(tables, row, sample, medium):
+    """What arrives through a medium; of an environment without the constant part of the sky, which
     counts as ambient light."""
     lights = tables.lights
     radiance = vec3(sample.red, sample.green, sample.blue)
     if lights.kinds[row] == ENVIRONMENT:
         constant = lights.environment.constant
         radiance = radiance - vec3(constant[0], constant[1], constant[2])
-    return radiance * attenuation(tables.media, current_medium(tables.media, inside), sample.distance)
+    return radiance * attenuation(tables.media, medium, sample.distance)
 
 
 @device
@@ -127,7 +147,8 @@ def _aim(tables, tree, wave, log, at, h, first, surface, job):
         return 0
     into = vec3(sample.x, sample.y, sample.z)
     i = tree.surface_numbers[ray_tree.COLUMN, first + h]
-    arriving = _arriving(tables, row, sample, wave.longs[rows.INSIDE, i])
+    boundary, direction = _boundary(tree, first + h), row_vec3(floats, rows.DIRECTION, i)
+    arriving = _arriving(tables, row, sample, medium_towards(boundary, surface.normal, direction, into))
     value, _ = evaluate_material(tables, surface, into, wave.scratch)
     factor = _ONE / (sample.density * chance * np.float32(several)) if several > 0 else _ONE
     light = row_vec3(tree.surfaces, ray_tree.SHARE, first + h) * value * arriving * factor

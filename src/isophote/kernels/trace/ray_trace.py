@@ -16,17 +16,16 @@ from isophote.kernels.accel.surface import MATERIAL, PUBLIC, offset_point
 from isophote.kernels.base.jit import device, kernel
 from isophote.kernels.base.vec import dot, maximum_component, vec3
 from isophote.kernels.base.warp import to_disk
-from isophote.kernels.light.bsdf import GLASS
 from isophote.kernels.light.emitter import lamp_radiance
 from isophote.kernels.light.environment import environment_radiance
 from isophote.kernels.light.medium import attenuation, current_medium, medium_ior, surface_boundary
 from isophote.kernels.trace import ray_log, ray_tree
 from isophote.kernels.trace import wave as rows
 from isophote.kernels.trace.batch import LAMP, trace_rays
-from isophote.kernels.trace.boundary import split_ray
+from isophote.kernels.trace.boundary import goes_smoothly, split_ray
 from isophote.kernels.trace.direct import is_surface, surface_of
-from isophote.kernels.trace.material import branch_material, prepare_material, sample_material
-from isophote.kernels.trace.ray_lights import light_surfaces, remember_surface
+from isophote.kernels.trace.material import branch_material, sample_material
+from isophote.kernels.trace.ray_lights import light_surfaces, prepare_surface, remember_surface
 from isophote.kernels.trace.ray_log import LOG, log_camera, log_hit, log_terms
 from isophote.kernels.trace.ray_tree import TREE, branch, gather, next_level, start_trees, sum_levels, take
 from isophote.kernels.trace.samples import Tile, develop, draw, start_paths
@@ -119,7 +118,7 @@ def _branch_any(tables, tree, wave, log, levels, level, i, surface, direction, c
         into, weight = branch_material(tables, surface, k, wave.scratch)
         if maximum_component(weight) > _ZERO:
             back = dot(into, surface.normal) * dot(direction, surface.normal) < _ZERO
-            kind = ray_log.REFLECTED if back else ray_log.REFRACTED
+            kind = ray_log.REFLECTED if back else ray_log.PASSED
             branch(tree, log, wave, levels, level, i, kind, inside, _start(surface, into), into, carried, weight)
 
 
@@ -132,15 +131,15 @@ def _meet_surface(tables, plan, tree, wave, log, level, i, lit):
     hit = Hit(t, floats[rows.HIT_W1, i], floats[rows.HIT_W2, i], longs[rows.HIT_SLOT, i], longs[rows.HIT_INSTANCE, i])
     surface = surface_of(tables, origin, direction, hit, wave.scratch)
     material = np.int64(tables.surfaces.items[surface.item, MATERIAL])
-    prepare_material(tables, surface, hit, direction, wave.scratch)
     inside = wave.longs[rows.INSIDE, i]
     boundary = surface_boundary(tables.media, material, inside, dot(direction, surface.normal) < _ZERO)
+    prepare_surface(tables, surface, boundary, hit, direction, wave.scratch)
     tint = attenuation(tables.media, boundary.before, t)
     carried = row_vec3(floats, rows.CARRIED, i) * tint
     emitted, ambient = _emitted(tables, surface, direction), vec3(_ZERO, _ZERO, _ZERO)
-    scatters = tables.materials.scatters[material] != 0
+    scatters = tables.materials.scatters[material] != 0 and not goes_smoothly(tables, material, boundary)
     if scatters:
-        remember_surface(tree, lit, i, surface, carried)
+        remember_surface(tree, lit, i, surface, boundary, carried)
         ambient = _ambient(tables, wave, i, surface)
     logged = tree.rays[ray_tree.RAY_LOGGED, i]
     number = np.int64(tables.surfaces.items[surface.item, PUBLIC])
@@ -148,7 +147,7 @@ def _meet_surface(tables, plan, tree, wave, log, level, i, lit):
     log_hit(log, logged, tables, hit, surface)
     add_radiance(wave, i, carried * (emitted + ambient))
     levels = plan.max_depth
-    if tables.materials.kinds[material] == GLASS:
+    if goes_smoothly(tables, material, boundary):
         _branch_glass(tables, tree, wave, log, levels, level, i, surface, direction, boundary, carried)
     else:
         _branch_any(tables, tree, wave, log, levels, level, i, surface, direction, carried)

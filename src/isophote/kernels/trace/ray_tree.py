@@ -43,8 +43,8 @@ TAKEN, END = np.int64(0), np.int64(1)
 
 # Rows of `surfaces`, surfaces that lights shine on: what surface_of said, and what the ray carries there …
 PLACE, NORMAL, SHADING, SHARE, ERROR, U, V, SURFACE_FLOATS = 0, 3, 6, 9, 12, 13, 14, 15
-# … and of `surface_numbers`.
-COLUMN, ITEM, TRIANGLE, SURFACE_NUMBERS = 0, 1, 2, 3
+# … and of `surface_numbers`: the ray's wave column, and the media before and behind the surface.
+COLUMN, ITEM, TRIANGLE, BEFORE, BEHIND, SURFACE_NUMBERS = 0, 1, 2, 3, 4, 5
 # Rows of `keys`: what the sample numbers of a few of them are drawn for.
 DRAW_KEY, DRAW_SAMPLE, KEY_ROWS = 0, 1, 2
 
