@@ -301,6 +301,36 @@ def test_a_mesh_of_loose_triangles_is_closed_where_its_corners_meet() -> None:
     assert analysis.winding_number(loose, points).tolist() == inside.astype(float).tolist()
 
 
+@pytest.mark.parametrize("near", [1e-60, 1e-100, 1e-200, 1e-300])
+def test_winding_numbers_hardly_away_from_a_rim_are_those_of_a_corner(near: float) -> None:
+    """Seen from so near to a corner of an open mesh, only directions count."""
+    octants = np.array([(x, y, z) for x in (1, -1) for y in (1, -1) for z in (1, -1)], float)
+    mesh = iso.Mesh([(0, 0, 0), (1, 0, 0), (0.3, 1, 0.1), (-0.2, 0.4, 1)], [(0, 1, 2), (0, 2, 3)])
+    directions = np.concatenate([octants, octants * (0.3, 0.9, 0.2), octants * (0.01, 0.2, 1)])
+    expected = solid_angles(corners_of(mesh), directions * 1e-9)
+    np.testing.assert_allclose(analysis.winding_number(mesh, directions * near), expected, atol=1e-8)
+
+
+def test_winding_numbers_of_a_mesh_that_is_far_away_are_almost_none() -> None:
+    cap = iso.Mesh(CUBE.vertices, CUBE.faces[:5])
+    points = np.array([(x, y, z) for x in (1, -2) for y in (0, 1.5, -1) for z in (0, 3, -1)], float)
+    for size in (1e9, 1e20, 1e40, 1e59):
+        assert np.abs(analysis.winding_number(cap, points * size)).max() < max(2 / size**2, 1e-14)
+
+
+def test_rims_of_many_loops_and_branches_are_whole() -> None:
+    """Loose triangles, alone, side by side, twice the same, and in fans: their rims share edges and vertices."""
+    rng = np.random.default_rng(10)
+    for count in (1, 2, 3, 5, 8, 11, 30, 100):
+        vertices = rng.random((max(4, count // 2), 3))
+        faces = np.array([rng.permutation(len(vertices))[:3] for _ in range(count)])
+        mesh = iso.Mesh(vertices, faces)
+        points = rng.uniform(-0.5, 1.5, (50, 3))
+        np.testing.assert_allclose(
+            analysis.winding_number(mesh, points), solid_angles(corners_of(mesh), points), atol=1e-13
+        )
+
+
 def test_an_open_half_sphere_winds_by_its_solid_angle() -> None:
     """A cap seen from the centre of its sphere fills the part of the directions that it covers."""
     positions, triangles = sphere(40)

@@ -11,7 +11,8 @@ from isophote.accel.tree import build_triangles
 from isophote.errors import GeometryError
 from isophote.kernels.accel.layout import BLOCK, LANES, NUMBER
 from isophote.kernels.base.table import Packed
-from isophote.kernels.measure.mesh_distance import MESH_DISTANCE, RIM_LANES
+from isophote.kernels.measure.mesh_distance import MESH_DISTANCE, RIM_GROUP, RIM_LANES
+from isophote.kernels.measure.rim_walk import follow_edges
 
 __all__ = ["MeshDistance", "build_mesh_distance", "rim_of"]
 
@@ -75,24 +76,52 @@ def _scale(points: Points) -> float:
 
 
 def rim_of(points: Points, triangles: Corners) -> Points:
-    """(6, k): the boundary of a mesh as a chain of directed edges: x, y, z of their starts and ends.
+    """(4, k): the boundary of a mesh as directed edges, laid out for `rim_angle`.
 
     An edge is there as often as triangles run along it in one direction more than in the other; a closed and oriented
-    mesh has none. Vertices at one place are one vertex. Edges without length make up a multiple of RIM_LANES.
+    mesh has none. Vertices at one place are one vertex.
     """
     start, end, count = _chain(triangles)
     if len(start) == 0:
-        return np.empty((6, 0))
+        return np.empty((4, 0))
     chosen = np.unique(np.concatenate([start, end]))
     _, first, same = np.unique(points[chosen] + 0.0, axis=0, return_index=True, return_inverse=True)
     number = np.arange(len(points))
     number[chosen] = chosen[first[same.reshape(-1)]]
     start, end, count = _cancel(number[start], number[end], count)
-    edges = np.repeat(np.column_stack([start, end]), count, axis=0)
-    missing = -len(edges) % RIM_LANES
-    if missing:
-        edges = np.concatenate([edges, np.tile(edges[0, 0], (missing, 2))])
-    return np.ascontiguousarray(points[edges].reshape(-1, 6).T)
+    if len(start) == 0:
+        return np.empty((4, 0))
+    return _in_lanes(points, *_walked(np.repeat(start, count), np.repeat(end, count)))
+
+
+def _walked(start: Indices, end: Indices) -> tuple[Indices, Indices]:
+    """Edges in an order in which most begin where the one before ends."""
+    order = np.argsort(start, kind="stable")
+    start, end = start[order], end[order]
+    vertices, first = np.unique(start, return_index=True)
+    starts, ends = np.empty(len(start), np.int64), np.empty(len(start), np.int64)
+    heads = np.searchsorted(vertices, end)
+    follow_edges(np.append(first, len(start)), heads, first.copy(), starts, ends)
+    return vertices[starts], vertices[ends]
+
+
+def _in_lanes(points: Points, start: Indices, end: Indices) -> Points:
+    """The rim of kernels/measure/rim.py, of edges of which most begin where the one before ends."""
+    count = len(start)
+    each = -(-count // RIM_LANES)
+    lane = np.arange(count) // each
+    # An edge adds its end, and before it its start where that is not there yet.
+    new = np.append(True, start[1:] != end[:-1])
+    new[::each] = True
+    place = np.cumsum(1 + new)
+    place -= (place - 1 - new)[lane * each] + 1
+    steps = -(-int(place.max()) // RIM_GROUP) * RIM_GROUP + 1
+    rim = np.empty((4, steps, RIM_LANES))
+    rim[:3], rim[3] = points[start[0]][:, None, None], -1
+    rim[:3, place[new] - 1, lane[new]] = points[start[new]].T
+    rim[:3, place, lane] = points[end].T
+    rim[3, place, lane] = 1
+    return rim.reshape(4, -1)
 
 
 def _chain(triangles: Corners) -> tuple[Indices, Indices, Indices]:

@@ -85,9 +85,9 @@ def points_for(points: npt.ArrayLike, mesh: MeshDistance) -> npt.NDArray[np.floa
         given = given[None]
     if given.ndim != 2 or given.shape[1] != 3:
         raise GeometryError(f"points must have shape (n, 3), but have {given.shape}")
+    furthest = FURTHEST / mesh.scale
     # NaN fails the comparison too.
-    near = np.abs(given).max(axis=1, initial=0.0) < FURTHEST / mesh.scale
-    if not near.all():
-        bad = int(np.argmin(near))
+    if not max(given.max(initial=0.0), -given.min(initial=0.0)) < furthest:
+        bad = int(np.argmin(np.abs(given).max(axis=1) < furthest))
         raise GeometryError(f"point {bad} is not finite, or too far from the mesh: {given[bad].tolist()}")
     return given

@@ -15,12 +15,13 @@ from isophote.kernels.accel.layout import SCRATCH
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.table import FLOATS, INT, Table, ViewType
 
-__all__ = ["FURTHEST", "MESH_DISTANCE", "RIM_LANES", "STACK_WORDS", "open_mesh", "to_single"]
+__all__ = ["FURTHEST", "MESH_DISTANCE", "RIM_GROUP", "RIM_LANES", "STACK_WORDS", "open_mesh", "to_single"]
 
 # float32 scratch of a query.
 STACK_WORDS = SCRATCH
-# Edges of the rim that are looked at together.
+# Edges of the rim that are looked at together, and how many of these follow each other at a step.
 RIM_LANES = 8
+RIM_GROUP = 4
 # Coordinates beyond this, in the mesh's frame, would overflow when products of them are multiplied.
 FURTHEST = 2.0**200
 
@@ -31,9 +32,8 @@ _CLAMP = np.float64(2.0**60)
 
 # `nodes`, `blocks`: the tree (accel/layout.py). `corners` (slots, 9): x, y, z of the three corners of the triangle in
 # each slot of `blocks`. `frame` (1, 4): middle of the mesh, and the power of two that coordinates are multiplied by.
-# `rim` (6, k): x, y, z of start and end of the directed edges that triangles run along in one direction more often than
-# in the other, made up to a multiple of RIM_LANES by edges without length; none where the mesh is closed. `closed`:
-# whether there are none.
+# `rim`: the directed edges that triangles run along in one direction more often than in the other, as rim.py has them;
+# nothing where the mesh is closed. `closed`: whether there are none.
 MESH_DISTANCE = Table(
     "MeshDistance", nodes=FLOATS, blocks=FLOATS, corners=_DOUBLE_ROWS, frame=_DOUBLE_ROWS, rim=_DOUBLE_ROWS, closed=INT
 )

@@ -17,8 +17,6 @@ surface lies on one side of it.
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from isophote.kernels.accel.layout import BLOCK, CHILD, LANES, NODE, NUMBER, UPPER, WIDTH
@@ -37,18 +35,10 @@ from isophote.kernels.base.simd import (
     splat8,
     store_int,
 )
-from isophote.kernels.base.simd_double import (
-    absolute_doubles,
-    any_negative,
-    double_lane,
-    load_doubles,
-    root_doubles,
-    splat_doubles,
-    where_negative,
-)
-from isophote.kernels.measure.mesh_distance import RIM_LANES, STACK_WORDS, open_mesh, to_single
+from isophote.kernels.measure.mesh_distance import STACK_WORDS, open_mesh, to_single
+from isophote.kernels.measure.rim import moved_side, rim_angle
 
-__all__ = ["crossings", "rim_angle", "winding_numbers", "winding_of"]
+__all__ = ["crossings", "winding_numbers", "winding_of"]
 
 _ZERO = np.float32(0)
 _ROOT = np.int32(0)
@@ -59,11 +49,6 @@ _NOTHING = np.int64(0)
 _PART, _LEAST = np.float32(2.0**-20), np.float32(2.0**-40)
 # What underflow may add to the determinants of coordinates in the mesh's frame.
 _UNDERFLOW = 2.0**-500
-# An angle of hardly less than ±π keeps its sign by such an imaginary part.
-_HARDLY = 2.0**-400
-# Real and imaginary parts that leave the sign of the angle to rounding.
-_LITTLE, _UNSURE = 2.0**-300, 2.0**-49
-
 
 # --- which triangles the ray meets ----------------------------------------------------------------
 
@@ -73,16 +58,6 @@ def _side(px, py, c, slot, k, i, j):
     """The side, as `orient2d` has it, of a triangle's edge opposite corner k on which a point lies, by axes i and j."""
     first, second = 3 * ((k + 1) % 3), 3 * ((k + 2) % 3)
     return orient2d(px, py, c[slot, first + i], c[slot, first + j], c[slot, second + i], c[slot, second + j])
-
-
-@exact_device
-def _moved_side(px, py, ax, ay, bx, by, side):
-    """The side of the line from a to b on which (px + ε, py + ε²) lies, where (px, py) lies on `side` of it."""
-    if side != 0:
-        return side
-    if ay != by:
-        return np.int64(1) if ay > by else np.int64(-1)
-    return np.int64(bx > ax) - np.int64(bx < ax)
 
 
 @exact_device
@@ -128,7 +103,7 @@ def _meet_closely(x, y, z, up, c, slot):
     for k in range(3):
         first, second = 3 * ((k + 1) % 3), 3 * ((k + 2) % 3)
         side = _side(x, y, c, slot, k, 0, 1)
-        side = _moved_side(x, y, c[slot, first], c[slot, first + 1], c[slot, second], c[slot, second + 1], side)
+        side = moved_side(x, y, c[slot, first], c[slot, first + 1], c[slot, second], c[slot, second + 1], side)
         low, high = min(low, side), max(high, side)
     return low * up if low == high and below * low == up else _NOTHING, on
 
@@ -222,111 +197,6 @@ def crossings(mesh, x, y, z, up, stack):
         node = load_int(stack, top)
 
 
-# --- the rim --------------------------------------------------------------------------------------
-
-
-@device
-def _turned(real, imaginary, r, i):
-    """(the product of two complex numbers, made about 1 in size, the turns that it went round beyond ±π)."""
-    product, other = real * r - imaginary * i, real * i + imaginary * r
-    turns = 0.0
-    if imaginary >= 0.0 and i >= 0.0 and other < 0.0:
-        turns = 1.0
-    elif imaginary < 0.0 and i < 0.0 and other >= 0.0:
-        turns = -1.0
-    size = 1.0 / (abs(product) + abs(other))
-    return product * size, other * size, turns
-
-
-@exact_device
-def _half_angle_closely(ax, ay, az, bx, by, bz, x, y, up):
-    """r and i (`rim_angle`) of the edge from a to b as seen from (x, y, 0), also where the angle may be ±π.
-
-    There its sign is that of the side on which (x + ε, y + ε²) lies of the edge. A vertex on the ray is to the left.
-    """
-    px, py, qx, qy = ax - x, ay - y, bx - x, by - y
-    a_on = px == 0.0 and py == 0.0 and az * up >= 0.0
-    b_on = qx == 0.0 and qy == 0.0 and bz * up >= 0.0
-    if a_on and b_on:
-        return 1.0, 0.0
-    if a_on:
-        real, imaginary = -qx, qy * up
-    elif b_on:
-        real, imaginary = -px, -py * up
-    else:
-        a, b = math.sqrt(px * px + py * py + az * az), math.sqrt(qx * qx + qy * qy + bz * bz)
-        a_height = (px * px + py * py) / (a + az * up) if az * up > 0.0 else a - az * up
-        b_height = (qx * qx + qy * qy) / (b + bz * up) if bz * up > 0.0 else b - bz * up
-        real, imaginary = a_height * b_height + (px * qx + py * qy), up * (py * qx - px * qy)
-    if real <= 0.0:
-        side = _moved_side(x, y, ax, ay, bx, by, orient2d(x, y, ax, ay, bx, by))
-        imaginary = math.copysign(max(abs(imaginary), _HARDLY), np.float64(-up * side))
-    size = 1.0 / (abs(real) + abs(imaginary))
-    return real * size, imaginary * size
-
-
-@exact_apart
-def _rim_closely(rim, x, y, z, up):
-    """`rim_angle`, edge by edge."""
-    real, imaginary, turns = 1.0, 0.0, 0.0
-    for k in range(rim.columns):
-        r, i = _half_angle_closely(
-            rim[0, k], rim[1, k], rim[2, k] - z, rim[3, k], rim[4, k], rim[5, k] - z, x, y, up
-        )  # fmt: skip
-        real, imaginary, more = _turned(real, imaginary, r, i)
-        turns += more
-    return turns + math.atan2(imaginary, real) / (2.0 * math.pi)
-
-
-@device
-def _height(x, y, z, zero, one):
-    """(h, f) with h / f = |v| - z of eight vectors v: not by the difference where it would cancel."""
-    square = x * x + y * y
-    length = root_doubles(square + z * z)
-    down = zero - z
-    return where_negative(down, square, length + down), where_negative(down, length + z, one)
-
-
-@device
-def rim_angle(mesh, x, y, z, up):
-    """The sum of Ω / 4π over the rim's edges, for the ray upward (`up` 1) or downward (-1).
-
-    tan(Ω / 2) of the cone from -d over the edge from a to b is i / r, where, with d = (0, 0, 1),
-    r = (|a| - a_z) (|b| - b_z) + a_x b_x + a_y b_y and i = a_y b_x - a_x b_y. Where a_z > 0, |a| - a_z is taken as
-    (a_x² + a_y²) / (|a| + a_z), and r and i are multiplied by the denominator. The angles are added by multiplying the
-    numbers r + i √-1, in eight lanes, and counting how often the products go round.
-    """
-    rim = mesh.rim
-    columns = rim.columns
-    zero, one, sign = splat_doubles(0.0), splat_doubles(1.0), splat_doubles(np.float64(up))
-    x8, y8, z8, part = splat_doubles(x), splat_doubles(y), splat_doubles(z), splat_doubles(_UNSURE)
-    real, imaginary, turns = one, zero, zero
-    for k in range(0, columns, RIM_LANES):
-        ax, ay = load_doubles(rim, k) - x8, load_doubles(rim, columns + k) - y8
-        bx, by = load_doubles(rim, 3 * columns + k) - x8, load_doubles(rim, 4 * columns + k) - y8
-        a_height, a_factor = _height(ax, ay, (load_doubles(rim, 2 * columns + k) - z8) * sign, zero, one)
-        b_height, b_factor = _height(bx, by, (load_doubles(rim, 5 * columns + k) - z8) * sign, zero, one)
-        factor = a_factor * b_factor
-        left, right = ay * bx, ax * by
-        r = a_height * b_height + factor * (ax * bx + ay * by)
-        i = sign * factor * (left - right)
-        sure = absolute_doubles(i) - part * factor * (absolute_doubles(left) + absolute_doubles(right))
-        # Nowhere may the sign of the angle be left to rounding: r is negative or nearly so, and i nearly zero.
-        if any_negative(where_negative(r - splat_doubles(_LITTLE) * factor, sure - splat_doubles(_LITTLE), one)):
-            return _rim_closely(rim, x, y, z, up)
-        product, other = real * r - imaginary * i, real * i + imaginary * r
-        round_up = where_negative(imaginary, zero, where_negative(i, zero, one))
-        round_down = where_negative(imaginary, where_negative(i, one, zero), zero)
-        turns = turns + where_negative(other, round_up, zero - round_down)
-        size = one / (absolute_doubles(product) + absolute_doubles(other))
-        real, imaginary = product * size, other * size
-    all_turns, p, q = 0.0, 1.0, 0.0
-    for k in range(RIM_LANES):
-        p, q, more = _turned(p, q, double_lane(real, np.int64(k)), double_lane(imaginary, np.int64(k)))
-        all_turns += more + double_lane(turns, np.int64(k))
-    return all_turns + math.atan2(q, p) / (2.0 * math.pi)
-
-
 @device
 def winding_of(mesh, x, y, z, stack):
     """(winding number, 1 if the point lies on the mesh) of the point (x, y, z) of the mesh's frame."""
@@ -334,7 +204,7 @@ def winding_of(mesh, x, y, z, stack):
     count, on = crossings(mesh, x, y, z, up, stack)
     if mesh.closed != 0:
         return np.float64(count), on
-    return np.float64(count) + rim_angle(mesh, x, y, z, up), on
+    return np.float64(count) + rim_angle(mesh.rim, x, y, z, up), on
 
 
 @kernel
