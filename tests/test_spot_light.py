@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 
 import numpy as np
@@ -138,3 +139,58 @@ def test_path_traced_circle_of_light():
 def test_what_makes_no_sense_is_refused(settings, message):
     with pytest.raises(iso.SceneError, match=message):
         iso.SpotLight((0, 4, 0), **settings)
+
+
+@pytest.mark.parametrize("name", SPOTS)
+def test_spots_come_back_from_gltf(name, tmp_path):
+    light = iso.SpotLight((1, 4, -2), 30, (1.0, 0.5, 0.25), target=(0.5, 1, 1), **SPOTS[name])
+    iso.save(iso.Scene([iso.Item(plane(2))], [light]), tmp_path / "spot.gltf")
+    (back,) = iso.load_scene(tmp_path / "spot.gltf").lights
+    assert isinstance(back, iso.SpotLight)
+    assert back.power == pytest.approx(light.power, rel=1e-3)
+    assert back.intensity_rgb == pytest.approx(light.intensity_rgb)
+    assert back.position == pytest.approx(light.position)
+    assert back.target == pytest.approx(light.target)
+    assert back.cone_degrees == pytest.approx(light.cone_degrees)
+    assert (back.inner_degrees is None) == (light.inner_degrees is None)
+    assert back.inner_degrees == (None if light.inner_degrees is None else pytest.approx(light.inner_degrees, abs=1e-9))
+    assert back.exponent == light.exponent
+
+
+def spot_file(path, spot: dict) -> iso.Light:
+    light = {"type": "spot", "intensity": 5.0, **({"spot": spot} if spot is not None else {})}
+    held = {"KHR_lights_punctual": {"light": 0}}
+    root = {
+        "asset": {"version": "2.0"},
+        "extensionsUsed": ["KHR_lights_punctual"],
+        "extensions": {"KHR_lights_punctual": {"lights": [light]}},
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"extensions": held, "translation": [0, 2, 0], "rotation": [-math.sqrt(0.5), 0, 0, math.sqrt(0.5)]}],
+    }
+    path.write_text(json.dumps(root))
+    return iso.load_scene(path).lights[0]
+
+
+def test_spots_of_gltf_have_half_angles_and_shine_along_minus_z(tmp_path):
+    light = spot_file(tmp_path / "a.gltf", {"innerConeAngle": 0.2, "outerConeAngle": 0.5})
+    assert light.unit_axis == pytest.approx((0, -1, 0), abs=1e-12)
+    assert light.cone_degrees == pytest.approx(2 * math.degrees(0.5))
+    assert light.inner_degrees == pytest.approx(2 * math.degrees(0.2))
+    assert light.intensity == pytest.approx(5)
+    default = spot_file(tmp_path / "b.gltf", None)
+    assert (default.inner_degrees, default.cone_degrees) == (0, 90)
+
+
+@pytest.mark.parametrize("spot", [{"outerConeAngle": 2.0}, {"innerConeAngle": 0.6, "outerConeAngle": 0.5}])
+def test_wrong_cones_in_gltf_are_refused(spot, tmp_path):
+    with pytest.raises(iso.FileError, match="innerConeAngle < outerConeAngle"):
+        spot_file(tmp_path / "a.gltf", spot)
+
+
+def test_sphere_traced_spots_shine_like_path_traced_ones():
+    light = iso.SpotLight((0.5, 3, 0), 20.0, cone_degrees=60, inner_degrees=20, exponent=2)
+    camera = iso.OrthographicCamera((0, 5, 0), (0, 0, 0), (0, 0, -1), height=3)
+    scene = iso.Scene([iso.Item(iso.plane(), iso.Matte(0.6))], [light], camera)
+    ours = iso.render(scene, iso.SphereTrace(shadows="none"), size=(40, 40), progress=False).channels["colour"]
+    path = iso.render(scene, iso.PathTrace(samples=64, max_depth=2), size=(40, 40), progress=False).channels["colour"]
+    assert np.abs(ours - path).max() < 0.02 * path.max()

@@ -22,7 +22,7 @@ from isophote.rendering.image import Image
 from isophote.rendering.method import Array, Job, Size
 from isophote.rendering.pool import Pool, Tile, tiles_of
 from isophote.rendering.warm import warm_up
-from isophote.scene.light import AreaLight, DiskLight, Light, PointLight, RectLight, SphereLight, Sun
+from isophote.scene.light import AreaLight, DiskLight, Light, PointLight, RectLight, SphereLight, SpotLight, Sun
 
 __all__ = ["SphereTrace"]
 
@@ -30,6 +30,7 @@ Floats: TypeAlias = npt.NDArray[np.float32]
 
 _SHADOWS = {"none": sphere_trace.NO_SHADOWS, "hard": sphere_trace.HARD, "soft": sphere_trace.SOFT}
 _MARCHERS = ("sphere", "fixed")
+_LIGHTS = PointLight | SpotLight | Sun | AreaLight
 _TILE = 32
 # Where none is given: the fixed step and the reach of occlusion, in parts of the finite items' diagonal.
 _STEP, _REACH = 1 / 256, 1 / 12
@@ -169,22 +170,25 @@ def _picture(channels: dict[str, Array], size: Size, words: int) -> Packed:
 
 def _lights(lights: tuple[Light, ...]) -> Floats:
     """The table of lights in sphere_lights.py's columns; skies are looked up by themselves."""
-    rows = [_light(light) for light in lights if isinstance(light, PointLight | Sun | AreaLight)]
+    rows = [_light(light) for light in lights if isinstance(light, _LIGHTS)]
     return np.array(rows, np.float32).reshape(-1, sphere_lights.COLUMNS)
 
 
-def _light(light: PointLight | Sun | AreaLight) -> tuple[float, ...]:
+def _light(light: PointLight | SpotLight | Sun | AreaLight) -> tuple[float, ...]:
     nowhere = (0.0, 0.0, 0.0)
     if isinstance(light, PointLight):
-        return (sphere_lights.POINT, *light.position, *nowhere, *light.intensity_rgb, 0.0, 0.0)
+        return (sphere_lights.POINT, *light.position, *nowhere, *light.intensity_rgb, 0.0, 0.0, 0.0)
+    if isinstance(light, SpotLight):
+        shape = *light.cosines, light.exponent
+        return (sphere_lights.SPOT, *light.position, *light.unit_axis, *light.intensity_rgb, *shape)
     if isinstance(light, Sun):
-        return (sphere_lights.SUN, *light.unit_direction, *nowhere, *light.irradiance_rgb, 0.0, 0.0)
+        return (sphere_lights.SUN, *light.unit_direction, *nowhere, *light.irradiance_rgb, 0.0, 0.0, 0.0)
     if isinstance(light, SphereLight):
         area = math.pi * light.radius**2
         intensity = tuple(area * value for value in light.radiance_rgb)
-        return (sphere_lights.ROUND, *light.position, *nowhere, *intensity, light.radius, 0.0)
+        return (sphere_lights.ROUND, *light.position, *nowhere, *intensity, light.radius, 0.0, 0.0)
     intensity = tuple(light.area * value for value in light.radiance_rgb)
     normal = (-light.transform.matrix[:3, 1]).tolist()
     two_sided = isinstance(light, RectLight | DiskLight) and light.two_sided
     radius = math.sqrt(light.area / math.pi)
-    return (sphere_lights.FLAT, *light.position, *normal, *intensity, radius, float(two_sided))
+    return (sphere_lights.FLAT, *light.position, *normal, *intensity, radius, float(two_sided), 0.0)

@@ -147,9 +147,14 @@ class SpotLight:
         return math.cos(math.radians(self.inner_degrees / 2)), outer
 
     @property
+    def intensity(self) -> float:
+        """Radiant intensity in W/sr on the axis, to be multiplied by the colour."""
+        return self.power / self._solid_angle
+
+    @property
     def intensity_rgb(self) -> Colour:
         """Radiant intensity in W/sr on the axis, by channels."""
-        return _scaled(self.colour, self.power / self._solid_angle)
+        return _scaled(self.colour, self.intensity)
 
     @property
     def _solid_angle(self) -> float:

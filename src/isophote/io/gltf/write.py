@@ -19,7 +19,7 @@ from isophote.io.gltf.material import MARK
 from isophote.io.gltf.write_material import MaterialWriter
 from isophote.io.gltf.write_mesh import MeshWriter
 from isophote.scene.camera import AnyCamera, OrthographicCamera
-from isophote.scene.light import Light, PointLight, Sun
+from isophote.scene.light import Light, PointLight, SpotLight, Sun
 from isophote.scene.scene import Item, Scene
 from isophote.scene.transform import look_frame
 from isophote.shapes.mesh import Mesh
@@ -42,7 +42,7 @@ def encode_gltf_scene(scene: Scene, path: StrPath) -> bytes:
     """The bytes of a .glb with a scene of meshes, or of a .gltf that holds everything itself, as `path` ends.
 
     A mesh that several items share is written once. Polygons become triangles, and vertices are split where an
-    attribute differs from corner to corner. Point lights and suns are kept; other lights are left out, with an
+    attribute differs from corner to corner. Point lights, spots and suns are kept; other lights are left out, with an
     `IsophoteWarning`. Raises `FileError` for shapes that are no meshes.
     """
     builder = Builder()
@@ -124,12 +124,10 @@ def _light_nodes(path: StrPath, builder: Builder, lights: Sequence[Light]) -> li
             matrix[:3, 3] = light.position
             nodes.append(_light_node(builder, "point", light.power / (4 * math.pi), light.colour, matrix))
         elif isinstance(light, Sun):
-            matrix = np.eye(4)
-            direction = light.unit_direction
-            # A light shines along its own −Z.
-            up = (0, 0, 1) if abs(direction[1]) > 0.9 else (0, 1, 0)
-            matrix[:3, :3] = look_frame(direction, (0, 0, 0), up).T
+            matrix = _turned(light.unit_direction)
             nodes.append(_light_node(builder, "directional", light.irradiance, light.colour, matrix))
+        elif isinstance(light, SpotLight):
+            nodes.append(_spot_node(builder, light))
         else:
             lost.append(type(light).__name__)
     if lost:
@@ -139,10 +137,38 @@ def _light_nodes(path: StrPath, builder: Builder, lights: Sequence[Light]) -> li
     return nodes
 
 
-def _light_node(builder: Builder, kind: str, intensity: float, colour: Sequence[float], matrix: Matrix) -> int:
+def _turned(back: Sequence[float]) -> Matrix:
+    """The placement whose −Z, along which lights shine, goes against `back`."""
+    matrix = np.eye(4)
+    up = (0, 0, 1) if abs(back[1]) > 0.9 else (0, 1, 0)
+    matrix[:3, :3] = look_frame(tuple(back), (0, 0, 0), up).T
+    return matrix
+
+
+def _spot_node(builder: Builder, light: SpotLight) -> int:
+    x, y, z = light.unit_axis
+    matrix = _turned((-x, -y, -z))
+    matrix[:3, 3] = light.position
+    outer = math.radians(light.cone_degrees / 2)
+    # A hard edge is not glTF's: its inner cone must be narrower.
+    inner = 0.999 * outer if light.inner_degrees is None else math.radians(light.inner_degrees / 2)
+    target = light.target or light.position
+    mark: Json = {"hard": float(light.inner_degrees is None), "exponent": light.exponent}
+    mark["target_distance"] = math.dist(light.position, target) or 1.0
+    rest: Json = {
+        "spot": {"innerConeAngle": min(inner, 0.999 * outer), "outerConeAngle": outer},
+        "extras": {MARK: mark},
+    }
+    return _light_node(builder, "spot", light.intensity, light.colour, matrix, rest)
+
+
+def _light_node(
+    builder: Builder, kind: str, intensity: float, colour: Sequence[float], matrix: Matrix, rest: Json | None = None
+) -> int:
     # Colours are at most 1 in glTF; a power of two moves between colour and intensity without rounding.
     excess = 2.0 ** math.ceil(math.log2(max(*colour, 1.0)))
     light = {"type": kind, "intensity": intensity * excess, "color": [channel / excess for channel in colour]}
+    light |= rest or {}
     builder.extensions.add(_LIGHTS)
     held = {_LIGHTS: {"light": builder.add(_LIGHTS, light)}}
     return builder.add("nodes", {"extensions": held, **_placed(matrix)})

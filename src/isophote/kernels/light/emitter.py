@@ -40,6 +40,7 @@ __all__ = [
     "pick_light",
     "sample_group",
     "sample_light",
+    "spot_share",
 ]
 
 TRIANGLE, PARALLELOGRAM, DISK, SPHERE, POINT, SUN, ENVIRONMENT, SPOT = 0, 1, 2, 3, 4, 5, 6, 7
@@ -170,10 +171,9 @@ def _sample_point(values, k, point):
 
 
 @device
-def _spot_share(values, k, cosine):
-    """Intensity at an angle of this cosine from the axis, in parts of that on the axis: cosᵐ within the inner cone,
-    smoothly to nothing at the outer one."""
-    inner, outer, exponent = values[k, _EDGE1], values[k, _EDGE1 + 1], values[k, _EDGE1 + 2]
+def spot_share(cosine, inner, outer, exponent):
+    """Intensity of a spot at an angle of this cosine from its axis, in parts of that on the axis: cosᵐ within the inner
+    cone, smoothly to nothing at the outer one; both by their cosines."""
     if cosine < outer or cosine <= _ZERO:
         return _ZERO
     u = (cosine - outer) / (inner - outer) if cosine < inner else _ONE
@@ -185,7 +185,8 @@ def _sample_spot(values, k, point):
     to_light = _triple(values, k, _PLACE) - point
     distance = length(to_light)
     direction = to_light / distance
-    share = _spot_share(values, k, -dot(direction, _triple(values, k, _NORMAL)))
+    cosine = -dot(direction, _triple(values, k, _NORMAL))
+    share = spot_share(cosine, values[k, _EDGE1], values[k, _EDGE1 + 1], values[k, _EDGE1 + 2])
     if share <= _ZERO:
         return _nothing()
     return _arrives(direction, distance, _triple(values, k, _RADIANCE) * (share / (distance * distance)), _ZERO)

@@ -1,4 +1,4 @@
-"""Lights of sphere tracing: points, suns, and area lights as the light of their middles."""
+"""Lights of sphere tracing: points, spots, suns, and area lights as the light of their middles."""
 
 from __future__ import annotations
 
@@ -9,15 +9,17 @@ import numpy as np
 
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.vec import dot, length, vec3
+from isophote.kernels.light.emitter import spot_share
 
-__all__ = ["COLUMNS", "FLAT", "POINT", "ROUND", "SUN", "light_from"]
+__all__ = ["COLUMNS", "FLAT", "POINT", "ROUND", "SPOT", "SUN", "light_from"]
 
-# Kinds: a point, a sun, a flat light, a sphere.
-POINT, SUN, FLAT, ROUND = 0, 1, 2, 3
+# Kinds: a point, a sun, a flat light, a sphere, a spot.
+POINT, SUN, FLAT, ROUND, SPOT = 0, 1, 2, 3, 4
 # Columns: kind, place (sun: unit direction), unit normal, intensity W/sr (sun: irradiance; area lights: that along the
-# normal, radiance times area), radius of a disk of the same area, 1 for two sides, spare.
+# normal, radiance times area), radius of a disk of the same area, 1 for two sides. A spot has
+# its axis for the normal, and in the last three the cosines of its inner and outer cone and its exponent.
 _KIND, _PLACE, _NORMAL, _COLOUR, _RADIUS, _TWO_SIDED = (np.int64(column) for column in (0, 1, 4, 7, 10, 11))
-COLUMNS = 12
+COLUMNS = 13
 
 _ZERO, _ONE = np.float32(0), np.float32(1)
 _FAR = np.float32(np.inf)
@@ -51,7 +53,10 @@ def light_from(lights, k, place, width):
     if kind == FLAT:
         faces = -dot(direction, _triple(lights, k, _NORMAL))
         faces = abs(faces) if lights[k, _TWO_SIDED] != _ZERO else max(faces, _ZERO)
-    if kind != POINT:
+    if kind == SPOT:
+        cosine = -dot(direction, _triple(lights, k, _NORMAL))
+        faces = spot_share(cosine, lights[k, _RADIUS], lights[k, _RADIUS + 1], lights[k, _RADIUS + 2])
+    elif kind != POINT:
         # The light's outline as it is seen: a flat one is narrower from the side.
         width = lights[k, _RADIUS] * math.sqrt(faces) / distance
     return Arriving(direction, distance, colour * (faces / (distance * distance)), width)
