@@ -12,7 +12,7 @@ import numpy.typing as npt
 from isophote.errors import RenderError
 from isophote.kernels.base.table import Packed
 from isophote.kernels.trace.count import count_rays
-from isophote.kernels.trace.rays import QUERY, closest_rays, hit_normals, occluded_rays
+from isophote.kernels.trace.rays import QUERY, closest_rays, describe_hits, occluded_rays
 from isophote.kernels.trace.tables import SCENE
 from isophote.kernels.trace.wave import new_wave
 from isophote.lower.field_table import scratch_words
@@ -55,14 +55,15 @@ class Hits:
     """What n rays meet first.
 
     `distance` (n,) float32 in lengths of the direction, inf where nothing is met; `item` and `primitive` (n,) int32:
-    numbers of the item in the scene and of the face in its mesh, -1 for none; `uv` (n, 2): weights of the second and
-    third corner of the triangle that was hit. `point` and `normal` are worked out when they are asked for.
+    numbers of the item in the scene and of the face in its mesh (of a primitive: the part of its surface), -1 for none;
+    `uv` (n, 2): weights of the second and third corner of the triangle that was hit, or texture coordinates of a
+    primitive. `uv`, `point` and `normal` are worked out when they are asked for.
     """
 
     distance: Floats
     item: Ints
     primitive: Ints
-    uv: Floats
+    _uv: Floats = attrs.field(repr=False)
     _rays: tuple[Floats, Floats] = attrs.field(repr=False)
     _query: Packed = attrs.field(repr=False)
     _scene: Packed = attrs.field(repr=False)
@@ -79,8 +80,16 @@ class Hits:
         """(n, 3): unit normals, outward (of triangles the geometric ones); zeros where nothing is met."""
         normals = np.zeros((len(self.item), 3), np.float32)
         scratch = np.zeros(scratch_words(self._scene.arrays["fields"]), np.float32)
-        hit_normals(self._scene.words, self._query.words, scratch, normals)
+        describe_hits(self._scene.words, self._query.words, scratch, normals)
         return normals
+
+    @property
+    def uv(self) -> Floats:
+        """(n, 2): weights of corners, or texture coordinates; zeros on fields and where nothing is met."""
+        if len(self._scene.arrays["primitives"].arrays["numbers"]):
+            # They come with the normals.
+            _ = self.normal
+        return self._uv
 
     @property
     def hit(self) -> npt.NDArray[np.bool_]:

@@ -17,6 +17,7 @@ from isophote import kernels
 from isophote.kernels.base.cache import is_compiled
 from isophote.kernels.base.table import Table
 from isophote.kernels.trace import tables, wave
+from isophote.lower.primitive_table import primitive_of
 from isophote.progress import Reporter
 from isophote.scene.scene import Scene
 from isophote.shapes.mesh import Mesh
@@ -101,6 +102,14 @@ def _fields() -> None:
     warm_field_trees()
 
 
+def _primitives() -> None:
+    from isophote.kernels.primitive import surface, trace
+
+    # Kinds are compiled as they are met: a fraction of a second each.
+    trace.trace_primitive.compile()
+    surface.primitive_surface.compile()
+
+
 class _Part(NamedTuple):
     """What is compiled together: file and name of the kernel that comes last, and what compiles it."""
 
@@ -118,6 +127,7 @@ _PARTS = {
     "first hits": _Part("trace/first_hit.py", "first_hits", _first_hits),
     "trees": _Part("accel/build_wide.py", "fill_blocks", _trees),
     "fields": _Part("accel/field_build.py", "split_regions", _fields),
+    "primitives": _Part("primitive/surface.py", "primitive_surface", _primitives),
 }
 _KERNELS = Path(kernels.__file__ or "").parent
 _there: set[str] = set()
@@ -140,13 +150,20 @@ def compile_parts(parts: Sequence[str]) -> None:
         _PARTS[name].compile()
 
 
+def _part_of(shape: object, method: str) -> str:
+    """What a shape takes besides the method."""
+    if isinstance(shape, Mesh):
+        return "trees"
+    if method == "sphere" and not hasattr(type(shape), "primitive"):
+        return "fields"
+    return "fields" if primitive_of(shape) is None else "primitives"
+
+
 def warm_up(report: Reporter, scene: Scene, method: str) -> None:
     """Compile what a method ("path", "ray", "occlusion" or "sphere") needs for a scene and is not in the cache yet, the
     method itself here and the rest in a second process; both write to the same cache."""
     rest = [] if method == "sphere" else ["first hits"]
-    meshes = [isinstance(item.shape, Mesh) for item in scene.items]
-    rest += ["trees"] if any(meshes) else []
-    rest += ["fields"] if not all(meshes) else []
+    rest += sorted({_part_of(item.shape, method) for item in scene.items})
     if compiled([method, *rest]):
         return
     with _counted(report):

@@ -28,7 +28,7 @@ from isophote.kernels.trace.direct import (
 )
 from isophote.kernels.trace.tables import SCENE
 
-__all__ = ["QUERY", "closest_rays", "first_fault", "hit_normals", "occluded_rays"]
+__all__ = ["QUERY", "closest_rays", "describe_hits", "first_fault", "occluded_rays"]
 
 # Rays and what is found, one row each: `limit` is the largest distance in lengths of the direction; `slot` and
 # `instance` (−1: none) name the triangle for later questions.
@@ -202,8 +202,9 @@ def occluded_rays(scene_words, query_words, wave_words, first, last, coherent):
 
 
 @kernel
-def hit_normals(scene_words, query_words, scratch, normals):
-    """Unit geometric normals, outward, of what was met; rows of rays that met nothing keep what they hold."""
+def describe_hits(scene_words, query_words, scratch, normals):
+    """Unit geometric normals, outward, of what was met, and texture coordinates of primitives into the query's own;
+    rows of rays that met nothing keep what they hold."""
     scene, query = open_scene(scene_words), open_query(query_words)
     for i in range(query.slot.rows):
         slot, instance = np.int64(query.slot[i]), np.int64(query.instance[i])
@@ -212,7 +213,9 @@ def hit_normals(scene_words, query_words, scratch, normals):
         hit = Hit(query.distance[i], _ZERO, _ZERO, slot, instance)
         if slot < 0:
             origin, direction = _row(query.origins, i), _row(query.directions, i)
-            normal = surface_of(scene, origin, direction, hit, scratch).normal
+            surface = surface_of(scene, origin, direction, hit, scratch)
+            normal = surface.normal
+            query.uv[i, 0], query.uv[i, 1] = surface.u, surface.v
         else:
             normal = true_normal(
                 scene.geometry,
