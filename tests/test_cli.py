@@ -15,8 +15,9 @@ import typer
 
 import isophote as iso
 from command_line import QUICK, SCENE, TRIANGLE, facts, misused, refuses, run, succeeds, written
-from isophote.cli import machine
+from isophote.cli import machine, options
 from isophote.cli.methods import METHODS, new_method
+from isophote.rendering import passes, pixel_filter
 
 
 @pytest.fixture
@@ -63,9 +64,11 @@ def test_pictures_by_their_ending(tmp_path: Path, triangle: Path, scene: Path, n
 
 def test_options_reach_the_method_and_the_picture(tmp_path: Path, scene: Path) -> None:
     out = tmp_path / "out.exr"
-    options = ("--samples", 3, "--max-depth", 5, "--filter", "tent", "--noise", 0.5, "--seconds", 60, "--seed", 7)
-    found = facts("render", scene, "-o", out, "--size", "9x5", *options, "--method", "path", "--backend", "cpu")
-    expected = repr(iso.PathTrace(samples=3, max_depth=5, filter="tent", noise=0.5, seconds=60.0))
+    given = ("--samples", 3, "--max-depth", 5, "--filter", "tent", "--noise", 0.5, "--seconds", 60, "--seed", 7)
+    given += ("--pattern", "jittered", "--denoise")
+    found = facts("render", scene, "-o", out, "--size", "9x5", *given, "--method", "path", "--backend", "cpu")
+    expected = repr(iso.PathTrace(samples=3, max_depth=5, filter="tent", noise=0.5, seconds=60.0, pattern="jittered"))
+    assert found["denoised"].startswith("by ")
     assert found["method"] == expected
     assert found["size"] == [9, 5]
     assert found["seed"] == "7"
@@ -73,6 +76,11 @@ def test_options_reach_the_method_and_the_picture(tmp_path: Path, scene: Path) -
     metadata = iso.load_image(out).metadata
     assert metadata["method"] == expected
     assert metadata["seed"] == "7"
+
+
+def test_names_of_options_are_those_of_the_settings() -> None:
+    assert tuple(pixel_filter.FILTERS) == options.FILTERS
+    assert tuple(passes.PATTERNS) == options.PATTERNS
 
 
 def test_the_same_seed_gives_the_same_picture_for_any_threads(tmp_path: Path, scene: Path) -> None:
@@ -252,7 +260,7 @@ def test_every_method_of_the_table_can_be_made() -> None:
         (("scene.obj", "-o", "x.png", "--size", "640"), "such as 640x480"),
         (("scene.obj", "-o", "x.png", "--size", "-4x3"), "such as 640x480"),
         (("scene.obj", "-o", "x.png", "--method", "magic"), "is not one of path"),
-        (("scene.obj", "-o", "x.png", "--filter", "magic"), "is not one of box, tent, gaussian"),
+        (("scene.obj", "-o", "x.png", "--filter", "magic"), "is not one of box, tent, gaussian, mitchell"),
         (("scene.obj", "-o", "x.png", "--backend", "abacus"), "is not one of auto, cpu"),
         (("scene.obj", "-o", "x.png", "--samples", "many"), "samples"),
         (("scene.obj", "-o", "x.png", "--colour", "red"), "--colour"),

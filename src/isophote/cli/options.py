@@ -7,7 +7,11 @@ from collections.abc import Callable, Iterable
 
 import typer
 
-__all__ = ["one_of", "picture_size"]
+__all__ = ["FILTERS", "PATTERNS", "one_of", "picture_size"]
+
+# Names of reconstruction filters and of sample patterns; what knows them for good loads slowly.
+FILTERS = ("box", "tent", "gaussian", "mitchell", "blackman-harris", "lanczos")
+PATTERNS = ("blue-noise", "sobol", "jittered", "regular", "independent")
 
 _SIZE = re.compile(r"(\d{1,9})[x×X](\d{1,9})")
 

@@ -10,7 +10,7 @@ import typer
 
 from isophote.cli.messages import log, print_json
 from isophote.cli.methods import METHODS, new_method
-from isophote.cli.options import one_of, picture_size
+from isophote.cli.options import FILTERS, PATTERNS, one_of, picture_size
 
 if TYPE_CHECKING:
     from isophote.rendering.image import Image
@@ -21,7 +21,7 @@ EXAMPLES = """\b
 Examples:
   isophote render examples/cornell_box.py -o cornell.png
   isophote render bunny.obj -o bunny.png --size 800x800 --samples 256
-  isophote render truck.glb -o truck.exr --noise 0.02
+  isophote render truck.glb -o truck.exr --noise 0.02 --denoise
   isophote render room.py -o room.png --seconds 30 --max-depth 16 --seed 7
 
 \b
@@ -32,8 +32,6 @@ A Python file defines the picture's `scene`, or a `shape`:
 What has no camera or light gets one. .exr keeps all channels and full range; other endings keep 8-bit colours. Ctrl-C
 stops early and keeps the picture so far.
 """
-
-_FILTERS = ("box", "tent", "gaussian")
 
 
 def render(
@@ -52,18 +50,32 @@ def render(
     samples: Annotated[int | None, typer.Option(metavar="N", help="Paths a pixel.  [default: 64]")] = None,
     seconds: Annotated[float | None, typer.Option(metavar="S", help="Stop after this time.")] = None,
     noise: Annotated[
-        float | None, typer.Option(metavar="X", help="Stop when the noise, in parts of the brightness, is below X.")
+        float | None,
+        typer.Option(
+            metavar="X", help="Sample where it is noisy, until the noise, in parts of the brightness, is below X."
+        ),
     ] = None,
     max_depth: Annotated[int | None, typer.Option(metavar="N", help="Rays a path at most.  [default: 8]")] = None,
     filter_name: Annotated[
         str | None,
         typer.Option(
             "--filter",
-            metavar="|".join(_FILTERS),
-            callback=one_of(_FILTERS),
+            metavar="|".join(FILTERS),
+            callback=one_of(FILTERS),
             help="Reconstruction filter.  [default: box]",
         ),
     ] = None,
+    pattern: Annotated[
+        str | None,
+        typer.Option(
+            metavar="|".join(PATTERNS),
+            callback=one_of(PATTERNS),
+            help="Where samples lie in a pixel, on lights and so on.  [default: blue-noise]",
+        ),
+    ] = None,
+    denoise: Annotated[
+        bool, typer.Option("--denoise", help="Take the noise out, by Open Image Denoise where it is installed.")
+    ] = False,
     size: Annotated[str, typer.Option(metavar="WxH", help="Width and height in pixels.")] = "640x480",
     seed: Annotated[int, typer.Option(metavar="N", help="The same seed gives the same picture.")] = 0,
     threads: Annotated[
@@ -86,6 +98,7 @@ def render(
         "noise": noise,
         "max_depth": max_depth,
         "filter": filter_name,
+        "pattern": pattern,
     }
     from isophote.cli.progress import progress
     from isophote.cli.subject import load_subject
@@ -102,7 +115,7 @@ def render(
     target = output.resolve()
     began = time.monotonic()
     subject = load_subject(scene, strict=strict)
-    image = render_image(subject, chosen, size=pixels, seed=seed, progress=progress(), threads=threads)
+    image = render_image(subject, chosen, size=pixels, seed=seed, progress=progress(), threads=threads, denoise=denoise)
     image.save(target)
     _report(output, image, time.monotonic() - began, as_json)
 

@@ -112,6 +112,23 @@ class Image:
         """The picture with other channels or metadata."""
         return attrs.evolve(self, **changes)
 
+    def denoised(self, denoiser: str = "auto", *, threads: int | None = None) -> Image:
+        """The picture with less noise, by its "variance" and, where they are there, "albedo", "normal" and "depth".
+
+        `denoiser` is "oidn" for Open Image Denoise (`pip install "isophote[denoise]"`), "filter" for our own filter,
+        or "auto" for the first where it is installed. The result has no variance. Raises `RenderError` where the
+        denoiser is unknown or not installed, and, of the filter, where there is no variance.
+        """
+        # Loads the kernels, which pictures by themselves do without.
+        from isophote.rendering.denoise import denoised_colour
+
+        return self.with_denoised(*denoised_colour(self.channels, denoiser=denoiser, threads=threads))
+
+    def with_denoised(self, colour: Array, by: str) -> Image:
+        """The picture with this colour, denoised `by` something, and without the noise's variance."""
+        kept = {name: array for name, array in self.channels.items() if name != "variance"}
+        return Image({**kept, "colour": colour}, {**self.metadata, "denoised": f"by {by}"})
+
     def save(self, path: StrPath) -> None:
         """Write the picture by the ending of its name, whole or not at all.
 

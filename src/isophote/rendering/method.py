@@ -77,8 +77,13 @@ def checked_seed(seed: object) -> int:
     return (number ^ (number >> 32)) & 0xFFFFFFFF
 
 
-def first_hit_channels(scene: Packed, size: Size, pool: Pool) -> Mapping[str, Array]:
-    """Channels of what is seen at the centres of pixels; see `Image`."""
+def first_hit_channels(
+    scene: Packed, size: Size, pool: Pool, place: tuple[float, float, float, float] = (0.5, 0.5, 0.0, 0.0)
+) -> Mapping[str, Array]:
+    """Channels of what is seen at one place in each pixel, the centre if none is given; see `Image`.
+
+    `place` is (x, y) from the pixel's upper left corner, and a point (a, b) of the lens, in the unit disk.
+    """
     width, height = size
     channels: dict[str, Array] = {
         "depth": np.full((height, width), np.inf, np.float32),
@@ -91,7 +96,8 @@ def first_hit_channels(scene: Packed, size: Size, pool: Pool) -> Mapping[str, Ar
     }
     flat = {name: array.reshape(height, -1) for name, array in channels.items()}
     words = scratch_words(scene.arrays["fields"])
-    features = [FEATURES.pack(**flat, scratch=np.zeros(words, np.float32)) for _ in range(pool.threads)]
+    at = dict(zip(("film_x", "film_y", "lens_a", "lens_b"), place, strict=True))
+    features = [FEATURES.pack(**flat, **at, scratch=np.zeros(words, np.float32)) for _ in range(pool.threads)]
 
     def work(first: int, thread: int) -> None:
         first_hits(scene.words, features[thread].words, width, first, min(first + _ROWS_A_JOB, height))

@@ -1,4 +1,4 @@
-"""What the camera sees first at the centre of each pixel: exact, never blended."""
+"""What the camera sees first at one place in each pixel: exact, never blended."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import numpy as np
 from isophote.kernels.accel.geometry import closest_hit
 from isophote.kernels.accel.surface import PUBLIC, face_number
 from isophote.kernels.base.jit import device, kernel
-from isophote.kernels.base.table import FLOAT_ROWS, FLOATS, INT_ROWS, Table
+from isophote.kernels.base.table import FLOAT, FLOAT_ROWS, FLOATS, INT_ROWS, Table
 from isophote.kernels.base.vec import dot, length
 from isophote.kernels.light.emitter import closest_lamp, lamp_normal
 from isophote.kernels.trace.camera import camera_ray
@@ -17,10 +17,11 @@ from isophote.kernels.trace.tables import SCENE
 
 __all__ = ["FEATURES", "first_hits"]
 
-_ZERO, _HALF = np.float32(0), np.float32(0.5)
+_ZERO = np.float32(0)
 _FAR, _NONE = np.float32(np.inf), np.int64(-1)
 
 # Rows y, pixels x: `depth`, `distance`, `item`, `primitive` (height, width), the others (height, channels · width).
+# `film_x`, `film_y`: the place from each pixel's corner; `lens_a`, `lens_b`: the point of the unit disk of the lens.
 FEATURES = Table(
     "Features",
     depth=FLOAT_ROWS,
@@ -31,6 +32,10 @@ FEATURES = Table(
     item=INT_ROWS,
     primitive=INT_ROWS,
     scratch=FLOATS,
+    film_x=FLOAT,
+    film_y=FLOAT,
+    lens_a=FLOAT,
+    lens_b=FLOAT,
 )
 
 open_scene, open_features = SCENE.open, FEATURES.open
@@ -73,8 +78,8 @@ def first_hits(scene_words, feature_words, width, y0, y1):
     scene, features = open_scene(scene_words), open_features(feature_words)
     for y in range(y0, y1):
         for x in range(width):
-            px, py = np.float32(x) + _HALF, np.float32(y) + _HALF
-            origin, direction = camera_ray(scene.camera, px, py, _ZERO, _ZERO)
+            px, py = np.float32(x) + features.film_x, np.float32(y) + features.film_y
+            origin, direction = camera_ray(scene.camera, px, py, features.lens_a, features.lens_b)
             hit = closest_hit(scene.geometry, origin, direction, _FAR, features.scratch)
             hit = closest_direct(scene, origin, direction, hit, features.scratch)
             t, lamp = closest_lamp(scene.lights, origin, direction, hit.t)
