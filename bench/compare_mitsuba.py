@@ -103,6 +103,16 @@ def _glass() -> iso.Scene:
     return iso.Scene([*_room(), *balls], [iso.RectLight(size=(1, 1), radiance=(5, 5, 5)).at((0, 0.99, 0))], _FRONT)
 
 
+def _balls(*materials: iso.Material) -> Callable[[], iso.Scene]:
+    def scene() -> iso.Scene:
+        places = (-0.45, -0.6, 0.1), (0.45, -0.6, -0.2)
+        balls = [iso.Item(_ball(0.4, place), material) for place, material in zip(places, materials, strict=True)]
+        lamps = [iso.RectLight(size=(1, 1), radiance=(5, 5, 5)).at((0, 0.99, 0)), iso.Sky(0.3)]
+        return iso.Scene([*_room(), *balls], lamps, _FRONT)
+
+    return scene
+
+
 def _outdoors(camera: Any) -> iso.Scene:
     floor = iso.Item(_quad((-4, -1, -4), (-4, -1, 4), (4, -1, 4), (4, -1, -4)), iso.Matte(GREY))
     sky = iso.Environment(iso.load_texture(_MODELS / "env/studio.hdr"), rotation=0.7)
@@ -124,6 +134,10 @@ SCENES: dict[str, Callable[[], iso.Scene]] = {
         iso.Sky((0.3, 0.4, 0.5)),
     ),
     "glass and mirror": _glass,
+    "metals": _balls(iso.Metal("copper", 0.5, single_bounce=True), iso.Metal("gold", 0)),
+    "sharp and blunt": _balls(iso.Metal("silver", 0.2, single_bounce=True), iso.Metal("iron", 1, single_bounce=True)),
+    "rough glass": _balls(iso.Glass(1.5, roughness=0.6), iso.Glass(1.3, (0.9, 0.8, 0.7), roughness=0.3)),
+    "plastic": _balls(iso.Plastic((0.6, 0.2, 0.1), 0), iso.Plastic((0.1, 0.4, 0.95), 0, ior=1.9)),
     "environment": lambda: _outdoors(iso.Camera((1.5, 0.8, 3), (0, -0.5, 0))),
     "thin lens": lambda: _outdoors(iso.Camera((1.5, 0.8, 3), (0.3, -0.6, 0.3), lens_radius=0.12)),
     "orthographic": lambda: _outdoors(iso.OrthographicCamera((1.5, 1.2, 3), (0, -0.5, 0), height=2.6)),
@@ -152,8 +166,33 @@ def _material(material: Any) -> dict[str, Any]:
         inner = {"type": "conductor", "material": "none", "specular_reflectance": _rgb(material.colour)}
         return {"type": "twosided", "inner": inner}
     if isinstance(material, iso.Glass):
-        return {"type": "dielectric", "int_ior": material.ior, "ext_ior": 1.0}
+        return _boundary(material)
+    if isinstance(material, iso.Metal):
+        return {"type": "twosided", "inner": _metal(material)}
+    if isinstance(material, iso.Plastic):
+        inner = {"type": "plastic", "diffuse_reflectance": _rgb(material.colour), "nonlinear": True}
+        return {"type": "twosided", "inner": inner | {"int_ior": material.ior, "ext_ior": 1.0}}
     return {"type": "diffuse", "reflectance": _rgb((0, 0, 0))}
+
+
+def _roughness(material: iso.Metal | iso.Glass) -> dict[str, Any]:
+    """What is added to a smooth kind's description; nothing where it is smooth."""
+    along, across = material.roughness
+    return {} if along == 0 else {"distribution": "ggx", "alpha_u": along**2, "alpha_v": across**2}
+
+
+def _metal(material: iso.Metal) -> dict[str, Any]:
+    rough = _roughness(material)
+    n, k = material.index
+    colour = {"specular_reflectance": _rgb(material.colour)}
+    return {"type": "roughconductor" if rough else "conductor", "eta": _rgb(n), "k": _rgb(k), **colour, **rough}
+
+
+def _boundary(material: iso.Glass) -> dict[str, Any]:
+    rough = _roughness(material)
+    colour = {f"specular_{way}": _rgb(material.colour) for way in ("reflectance", "transmittance")}
+    kind = "roughdielectric" if rough else "dielectric"
+    return {"type": kind, "int_ior": material.ior, "ext_ior": 1.0, **colour, **rough}
 
 
 def _shape(item: iso.Item, folder: Path, name: str) -> dict[str, Any]:
