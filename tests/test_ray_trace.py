@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import isophote as iso
+from command_line import misused, succeeds
 from isophote.rendering import passes, ray_tiles
 from ray_traced import colour, log, ray_trace, seen_along
 from scenes import box, icosphere, plane
@@ -247,3 +248,13 @@ def test_pixels_outside_are_refused():
 def test_more_lights_than_can_be_aimed_at_are_refused():
     with pytest.raises(iso.RenderError, match="aims at every light"):
         render(MATTE, [iso.RectLight().at((0, k, 0)) for k in range(1, 301)], light_samples=4096, size=(1, 1))
+
+
+def test_on_the_command_line(tmp_path):
+    file, out = tmp_path / "scene.py", tmp_path / "out.exr"
+    file.write_text("import isophote as iso\nshape = iso.sphere(1)\n")
+    succeeds("render", file, "-o", out, "--method", "ray", "--depth", "3", "--light-samples", "2", "--size", "12x8")
+    image = iso.load_image(out)
+    assert "depth=3" in image.metadata["method"]
+    assert image.channels["rays"].shape == (8, 12)
+    assert "the method path has no --depth" in misused("render", file, "-o", out, "--depth", "3")

@@ -23,6 +23,7 @@ Examples:
   isophote render bunny.obj -o bunny.png --size 800x800 --samples 256
   isophote render truck.glb -o truck.exr --noise 0.02 --denoise
   isophote render room.py -o room.png --seconds 30 --max-depth 16 --seed 7
+  isophote render glasses.py -o glasses.png --method ray --depth 10 --light-samples 16
 
 \b
 A Python file defines the picture's `scene`, or a `shape`:
@@ -47,7 +48,9 @@ def render(
     method: Annotated[
         str, typer.Option(metavar="|".join(METHODS), callback=one_of(METHODS), help="How to render.")
     ] = "path",
-    samples: Annotated[int | None, typer.Option(metavar="N", help="Paths a pixel.  [default: 64]")] = None,
+    samples: Annotated[
+        int | None, typer.Option(metavar="N", help="Paths, or trees of rays, a pixel.  [default: 64, of rays 16]")
+    ] = None,
     seconds: Annotated[float | None, typer.Option(metavar="S", help="Stop after this time.")] = None,
     noise: Annotated[
         float | None,
@@ -56,6 +59,12 @@ def render(
         ),
     ] = None,
     max_depth: Annotated[int | None, typer.Option(metavar="N", help="Rays a path at most.  [default: 8]")] = None,
+    depth: Annotated[
+        int | None, typer.Option(metavar="N", help="Rays in a row at most, by --method ray.  [default: 6]")
+    ] = None,
+    light_samples: Annotated[
+        int | None, typer.Option(metavar="N", help="Shadow rays to each light with a size.  [default: 4]")
+    ] = None,
     filter_name: Annotated[
         str | None,
         typer.Option(
@@ -97,6 +106,8 @@ def render(
         "seconds": seconds,
         "noise": noise,
         "max_depth": max_depth,
+        "depth": depth,
+        "light_samples": light_samples,
         "filter": filter_name,
         "pattern": pattern,
     }
