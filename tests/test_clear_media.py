@@ -234,14 +234,68 @@ def test_both_tracers_see_the_same_glass(depth):
         (lambda: iso.Glass(ior=0), "ior"),
         (lambda: iso.Glass(ior=-1.5), "ior"),
         (lambda: iso.Glass(absorption=-1), "0 or above"),
-        (lambda: iso.Glass(absorption="red"), "Glass.tinted"),
+        (lambda: iso.Glass(absorption="red"), "tinted takes a colour"),
         (lambda: iso.Glass(priority=math.inf), "priority"),
         (lambda: iso.Glass.tinted((0, 1, 1), at=1), "above 0"),
         (lambda: iso.Glass.tinted((2, 1, 1), at=1), "at most 1"),
-        (lambda: iso.Glass.tinted("tomato", at=0), "distance above 0"),
+        (lambda: iso.Glass.tinted("tomato", at=0), "number above 0"),
         (lambda: iso.Glass.tinted("tomato", at=1, absorption=1), "give no absorption"),
     ],
 )
 def test_what_makes_no_sense_is_refused(make, message):
     with pytest.raises(iso.SceneError, match=message):
         make()
+
+
+# --- panes --------------------------------------------------------------------------------------------------------
+
+PANE = iso.Mesh([(-2, -2, 0), (2, -2, 0), (2, 2, 0), (-2, 2, 0)], [(0, 1, 2, 3)])
+
+
+@pytest.mark.parametrize("method", ["ray", "path"])
+@pytest.mark.parametrize("degrees", [0.0, 50.0])
+def test_a_pane_is_a_slab_as_one_surface(degrees, method):
+    """What a plate does with all its inner reflections, seen in front of a bright wall and a dark room."""
+    theta, thickness, sigma, n = math.radians(degrees), 0.02, np.array([5.0, 20.0, 60.0]), 1.6
+    direction = np.array([0.0, -math.sin(theta), -math.cos(theta)])
+    camera = seen_along(-4.5 * direction, direction)
+    pane = iso.Item(PANE, iso.ThinGlass(n, thickness=thickness, absorption=tuple(sigma)))
+    f = float(iso.fresnel(theta, 1.0, n))
+    a = np.exp(-sigma * thickness / math.sqrt(1 - (math.sin(theta) / n) ** 2))
+    through = (1 - f) ** 2 * a / (1 - f**2 * a**2)
+    if method == "ray":
+        found = mean([WALL, pane], camera, samples=1, depth=3, min_weight=0)
+        slab_of_both = [WALL, slab(thickness, iso.Glass(n, absorption=tuple(sigma)))]
+        assert np.allclose(found, mean(slab_of_both, camera, samples=1, depth=20, min_weight=0), rtol=5e-4)
+    else:
+        found = mean([WALL, pane], camera, method=iso.PathTrace(samples=65536, max_depth=3))
+    assert np.allclose(found, BRIGHT * through, rtol=2e-5 if method == "ray" else 5e-3)
+
+
+def test_a_pane_reflects_the_rest_where_nothing_is_absorbed():
+    rays = log([iso.Item(PANE, iso.ThinGlass(1.5))], camera=seen_along((0, 1, 2), (0, -1, -2)), samples=1).rays
+    reflected, passed = (next(ray for ray in rays if ray.kind == kind) for kind in ("reflected", "passed"))
+    assert reflected.weight[0] + passed.weight[0] == pytest.approx(1, abs=1e-6)
+    assert np.allclose(passed.direction, rays[0].direction, atol=1e-6)
+
+
+def test_a_tinted_sheet():
+    sheet = iso.Item(PANE, iso.ThinGlass.tinted((0.25, 0.5, 0.75), ior=1.0))
+    assert np.allclose(mean([WALL, sheet], samples=1), BRIGHT * (0.25, 0.5, 0.75), rtol=1e-5)
+    with pytest.raises(iso.SceneError, match="give no absorption"):
+        iso.ThinGlass.tinted("tomato", thickness=2)
+    with pytest.raises(iso.SceneError, match="thickness"):
+        iso.ThinGlass(thickness=-1)
+
+
+# --- rough glass --------------------------------------------------------------------------------------------------
+
+
+def test_rough_glass_has_its_index_relative_to_what_it_lies_in():
+    """Ground glass in a liquid of the same index does not scatter: it is only tinted; in air it scatters."""
+    ground = iso.Item(block((-1, -1, -1.4), (1, 1, -0.6)), iso.Glass(1.5, absorption=0.5, roughness=0.8))
+    liquid = iso.Item(block((-2, -2, -2), (2, 2, 0)), iso.Glass(1.5))
+    straight = mean([WALL, ground, liquid], method=iso.PathTrace(samples=16384, max_depth=12))
+    f = 0.04
+    assert np.allclose(straight, BRIGHT * (1 - f) ** 2 * math.exp(-0.5 * 0.8) / (1 - f**2 * math.exp(-0.8)), rtol=0.01)
+    assert mean([WALL, ground], method=iso.PathTrace(samples=256, max_depth=12))[0] < 0.95 * straight[0]

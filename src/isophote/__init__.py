@@ -65,6 +65,7 @@ _HOME = {
     "SpotLight": "scene.light",
     "Sun": "scene.light",
     "Texture": "scene.texture",
+    "ThinGlass": "scene.thin_glass",
     "Tracer": "rendering.tracer",
     "Transform": "scene.transform",
     "Ward": "scene.gloss",

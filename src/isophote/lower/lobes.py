@@ -20,6 +20,7 @@ from isophote.kernels.brdf import (
     plastic,
     principled,
     rough_glass,
+    thin_glass,
     ward,
 )
 from isophote.lower.albedo import coat_table, mean_conductor, ring_chances, split_tables
@@ -31,6 +32,7 @@ from isophote.scene.material_base import ColourParameter, Material, NumberParame
 from isophote.scene.measured import Measured
 from isophote.scene.metal import Metal
 from isophote.scene.texture import Texture
+from isophote.scene.thin_glass import ThinGlass
 
 __all__ = ["Node", "Slot", "node_of"]
 
@@ -155,6 +157,13 @@ def _(material: Glass) -> Node:
     along, across = material.roughness
     rough = rough_glass.evaluate_rough_glass, rough_glass.sample_rough_glass, None
     return Node(rough, slots, anisotropic=along != across)
+
+
+@node_of.register
+def _(material: ThinGlass) -> Node:
+    depth = tuple(channel * material.thickness for channel in material.absorption)
+    entries = conductor.evaluate_nothing, thin_glass.sample_pane, thin_glass.branch_pane
+    return Node(entries, _slots(material.ior, material.colour, depth), branches=2, scatters=False)
 
 
 def _coat(ior: float, smooth: bool) -> Floats:

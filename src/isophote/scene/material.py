@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import attrs
 
 from isophote.errors import SceneError
+from isophote.scene.absorption import as_coefficients, coefficients_of_tint
 from isophote.scene.colour import WHITE, Colour, ColourLike
 from isophote.scene.colour import colour as as_colour
 from isophote.scene.fields import (
@@ -57,14 +57,6 @@ class Mirror(Material):
     colour: Colour = attrs.field(default=WHITE, converter=as_colour, validator=albedo)
 
 
-def _as_coefficients(value: ColourLike) -> Colour:
-    if isinstance(value, str):
-        raise SceneError(
-            f"Glass: absorption is in 1/m, a number or three, not {value!r}; Glass.tinted takes a colour at a distance"
-        )
-    return as_colour(value)
-
-
 @attrs.frozen
 class Glass(Material):
     """A boundary of a clear solid or liquid: Fresnel reflection and refraction by Snell's law.
@@ -85,7 +77,7 @@ class Glass(Material):
 
     ior: float = attrs.field(default=1.5, converter=as_number, validator=positive)
     colour: Colour = attrs.field(default=WHITE, converter=as_colour, validator=albedo)
-    absorption: Colour = attrs.field(default=_BLACK, converter=_as_coefficients)
+    absorption: Colour = attrs.field(default=_BLACK, converter=as_coefficients)
     priority: float = attrs.field(default=0.0, converter=as_number, validator=finite)
     roughness: tuple[NumberParameter, NumberParameter] = attrs.field(
         default=(0.0, 0.0), converter=roughness_pair, validator=roughness, kw_only=True
@@ -97,15 +89,9 @@ class Glass(Material):
 
         σ = −ln(colour) / at, so that no channel of the colour may be 0 or above 1.
         """
-        tint = as_colour(colour)
-        if not (isinstance(at, int | float) and 0 < at < math.inf):
-            raise SceneError(f"Glass.tinted: at must be a distance above 0, not {at!r}")
-        if not all(0 < channel <= 1 for channel in tint):
-            raise SceneError(f"Glass.tinted: every channel of colour must be above 0 and at most 1, not {tint}")
         if "absorption" in rest:
             raise SceneError("Glass.tinted: the colour says what is absorbed; give no absorption beside it")
-        red, green, blue = (-math.log(channel) / at for channel in tint)
-        return cls(absorption=(red, green, blue), **rest)
+        return cls(absorption=coefficients_of_tint(colour, at), **rest)
 
 
 @attrs.frozen
