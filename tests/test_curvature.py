@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numba import njit
 
 import isophote as iso
 from curved_meshes import Known, ellipsoid, torus
+from isophote.kernels.measure.arc import upper_angle
 
 MODELS = Path(__file__).parents[1] / "../shared/models"
 CUBE = iso.Mesh(
@@ -19,6 +21,37 @@ CUBE = iso.Mesh(
     [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)],
 )
 an = iso.analysis
+
+
+@njit
+def _upper_angles(y: np.ndarray, x: np.ndarray, out: np.ndarray) -> None:
+    for k in range(len(out)):
+        out[k] = upper_angle(y[k], x[k])
+
+
+def test_angles_are_those_of_the_arctangent() -> None:
+    rng = np.random.default_rng(0)
+    turn = np.concatenate([rng.uniform(0, np.pi, 20_000), 10.0 ** rng.uniform(-300, 0, 2000), np.arange(9) * np.pi / 8])
+    size = 10.0 ** rng.uniform(-100, 100, len(turn))
+    x = np.concatenate([size * np.cos(turn), [0.0, -0.0, 1.0, -1.0, 0.0, 1e-300, -1e300, 1e308]])
+    y = np.concatenate([size * np.sin(turn), [0.0, 0.0, 0.0, 0.0, 1.0, 1e-300, 1e300, 1e308]]) + 0.0
+    found = np.empty(len(x))
+    _upper_angles(np.abs(y), x, found)
+    np.testing.assert_array_max_ulp(found, np.abs(np.arctan2(np.abs(y), x + 0.0)), 2)
+
+
+@pytest.mark.parametrize(("a", "b", "c"), [(2, 0, -1), (-1, 0, 2), (1, 1, 1), (1, -1, 1), (-3, 1e-9, 2), (0.5, 0, 0.5)])
+def test_directions_of_paraboloids(a: float, b: float, c: float) -> None:
+    """Of z = -(a x² + 2 b x y + c y²) / 2 at 0: eigenvalues and eigenvectors of ((a, b), (b, c))."""
+    x, y = (grid.reshape(-1) for grid in np.meshgrid(np.arange(-3.0, 4) / 10, np.arange(-3.0, 4) / 10))
+    points = np.column_stack([x, y, -(a * x * x + 2 * b * x * y + c * y * y) / 2])
+    faces = [(7 * i + j, 7 * i + j + 1, 7 * i + j + 8, 7 * i + j + 7) for i in range(6) for j in range(6)]
+    found = an.principal_curvatures(iso.Mesh(points, faces), degree=2)
+    least, greatest = np.linalg.eigvalsh([(a, b), (b, c)])
+    assert (found.k1[24], found.k2[24]) == pytest.approx((greatest, least), abs=1e-9)
+    for k, direction in ((greatest, found.direction1[24]), (least, found.direction2[24])):
+        assert np.linalg.norm(direction) == pytest.approx(1)
+        np.testing.assert_allclose(np.array([(a, b), (b, c)]) @ direction[:2], k * direction[:2], atol=1e-9)
 
 
 def _rms(values: np.ndarray) -> float:

@@ -59,15 +59,15 @@ def principal_curvatures(mesh: Mesh, degree: int = 3, rings: int = 2) -> Princip
             raise GeometryError(f"{name} must be a whole number from {low} to {high}, not {value!r}")
     fan = fans(mesh)
     count = len(fan.positions)
-    normals = fan.normals("angle")
+    normals, around = fan.normals("angle"), fan.neighbours
     values, degrees = np.empty((count, 2)), np.empty(count, np.int8)
     first_axes, second_axes, fitted = (np.empty((count, 3)) for _ in range(3))
 
     def work(first: int, last: int) -> None:
         mark, found = np.full(count, -1, np.int32), np.empty(MOST_NEIGHBOURS + 1, np.int32)
         fit_vertices(
-            fan.positions, *fan.neighbours, normals, degree, rings, first, last, mark, found,
-            np.empty(SCRATCH), values, first_axes, second_axes, fitted, degrees,
+            fan.positions, *around, normals, degree, rings, first, last, mark, found,
+            np.zeros(SCRATCH), values, first_axes, second_axes, fitted, degrees,
         )  # fmt: skip
 
     run(work, pieces(count, max(_PIECE, count // 8)))

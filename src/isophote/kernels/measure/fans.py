@@ -12,6 +12,7 @@ import numpy as np
 
 from isophote.kernels.base.double3 import Double3, cross3, difference, dot3, norm, row3, scaled, total
 from isophote.kernels.base.jit import device, kernel
+from isophote.kernels.measure.arc import upper_angle
 
 __all__ = ["ANGLE", "AREA", "UNIFORM", "corner_lists", "fan_curvatures", "fan_normals", "neighbour_lists"]
 
@@ -73,7 +74,7 @@ def _sides(positions, triangles, corner):
 def _angle(a, b):
     """Angle between two vectors. Source: Kahan, "How futile are mindless assessments of roundoff", section 12."""
     u, v = scaled(a, norm(b)), scaled(b, norm(a))
-    return 2.0 * math.atan2(norm(difference(u, v)), norm(total(u, v)))
+    return 2.0 * upper_angle(norm(difference(u, v)), norm(total(u, v)))
 
 
 @kernel
@@ -86,7 +87,9 @@ def fan_normals(positions, triangles, starts, corners, weight, first, last, norm
             n = cross3(a, b)
             size = norm(n)
             if size > 0.0:
-                share = 1.0 if weight == AREA else _angle(a, b) / size if weight == ANGLE else 1.0 / size
+                share = (
+                    1.0 if weight == AREA else upper_angle(size, dot3(a, b)) / size if weight == ANGLE else 1.0 / size
+                )
                 whole = total(whole, scaled(n, share))
         size = norm(whole)
         if size > 0.0:

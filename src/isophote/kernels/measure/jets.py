@@ -21,7 +21,7 @@ __all__ = ["MOST_NEIGHBOURS", "SCRATCH", "TERMS", "fit_vertices"]
 # Vertices that a fit takes at most, its coefficients at degree 4, and the doubles of scratch that a thread needs.
 MOST_NEIGHBOURS = 160
 TERMS = 14
-# A row of the fit's matrices: the terms, the height behind them, zeros up to two vectors.
+# A row of the fit's matrices: the terms, the height behind them, and up to two vectors what does not matter.
 _WIDTH, _LANES = np.int64(16), np.int64(8)
 _SAMPLES = np.int64(0)
 _MATRIX = _SAMPLES + MOST_NEIGHBOURS * _WIDTH
@@ -41,7 +41,6 @@ def _terms(degree):
 @device
 def _gather(starts, neighbours, v, rings, wanted, mark, found):
     """The vertices within `rings` edges of v, and of further rings until there are `wanted`, behind v itself.
-
 
     They come to `found`; returns how many. `mark` (n,) int32 holds no number v when called.
     """
@@ -88,20 +87,20 @@ def _place(positions, v, normal, found, count, scratch):
 def _expand(scratch, count, degree, size):
     """Turn coordinates into rows of samples: the terms of a polynomial in (u, v) / size, and height / size."""
     inverse = 1.0 / size
-    n = _terms(degree)
     for row in range(0, count * _WIDTH, _WIDTH):
         x, y, h = scratch[row] * inverse, scratch[row + 1] * inverse, scratch[row + 2] * inverse
+        xx, xy, yy = x * x, x * y, y * y
         scratch[row], scratch[row + 1] = x, y
-        at = row + 2
-        for d in range(2, degree + 1):
-            # The terms of degree d are those of degree d − 1 by x, and the last of them by y.
-            for j in range(d):
-                scratch[at + j] = scratch[at - d + j] * x
-            scratch[at + d] = scratch[at - 1] * y
-            at += d + 1
-        scratch[row + n] = h
-        for j in range(row + n + 1, row + _WIDTH):
-            scratch[j] = 0.0
+        scratch[row + 2], scratch[row + 3], scratch[row + 4] = xx, xy, yy
+        at = row + 5
+        if degree > 2:
+            scratch[at], scratch[at + 1], scratch[at + 2], scratch[at + 3] = xx * x, xx * y, x * yy, yy * y
+            at += 4
+        if degree > 3:
+            scratch[at], scratch[at + 1], scratch[at + 2] = xx * xx, xx * xy, xx * yy
+            scratch[at + 3], scratch[at + 4] = xy * yy, yy * yy
+            at += 5
+        scratch[at] = h
 
 
 @device
@@ -109,16 +108,24 @@ def _accumulate(scratch, count, terms):
     """Normal equations: sums of products of each term with all that stand behind it."""
     end = count * _WIDTH
     for part in range(0, terms + 1, _LANES):
-        # Two rows at a time, so that one sum need not wait for the other.
-        for i in range(0, terms, 2):
-            first, second = splat_doubles(0.0), splat_doubles(0.0)
+        # Five rows at a time, so that no sum waits for another. Behind the diagonal nothing is needed.
+        for i in range(0, min(terms, part + _LANES), 5):
+            a, b, c = splat_doubles(0.0), splat_doubles(0.0), splat_doubles(0.0)
+            d, e = splat_doubles(0.0), splat_doubles(0.0)
             for row in range(0, end, _WIDTH):
                 line = load_doubles(scratch, row + part)
-                first = first + splat_doubles(scratch[row + i]) * line
-                second = second + splat_doubles(scratch[row + i + 1]) * line
-            store_doubles(scratch, _MATRIX + i * _WIDTH + part, first)
-            if i + 1 < terms:
-                store_doubles(scratch, _MATRIX + (i + 1) * _WIDTH + part, second)
+                a = a + splat_doubles(scratch[row + i]) * line
+                b = b + splat_doubles(scratch[row + i + 1]) * line
+                c = c + splat_doubles(scratch[row + i + 2]) * line
+                d = d + splat_doubles(scratch[row + i + 3]) * line
+                e = e + splat_doubles(scratch[row + i + 4]) * line
+            at = _MATRIX + i * _WIDTH + part
+            store_doubles(scratch, at, a)
+            store_doubles(scratch, at + _WIDTH, b)
+            store_doubles(scratch, at + 2 * _WIDTH, c)
+            store_doubles(scratch, at + 3 * _WIDTH, d)
+            if i + 4 < terms:
+                store_doubles(scratch, at + 4 * _WIDTH, e)
 
 
 @device
@@ -173,14 +180,20 @@ def _eigen(a, b, c):
     """Eigenvalues k1 ≥ k2 of the symmetric matrix ((a, b), (b, c)), and the direction of the first."""
     mean, half = 0.5 * (a + c), 0.5 * (a - c)
     radius = math.sqrt(half * half + b * b)
-    angle = 0.5 * math.atan2(b, half)
-    return mean + radius, mean - radius, math.cos(angle), math.sin(angle)
+    # The direction has half the angle of (half, b).
+    if radius == 0.0:
+        return mean, mean, 1.0, 0.0
+    if half >= 0.0:
+        x = math.sqrt(0.5 * (radius + half) / radius)
+        return mean + radius, mean - radius, x, 0.5 * b / (radius * x)
+    y = math.copysign(math.sqrt(0.5 * (radius - half) / radius), b)
+    return mean + radius, mean - radius, 0.5 * b / (radius * y), y
 
 
 @device
 def _write_direction(out, v, d):
-    size = norm(d)
-    out[v, 0], out[v, 1], out[v, 2] = d.x / size, d.y / size, d.z / size
+    d = scaled(d, 1.0 / norm(d))
+    out[v, 0], out[v, 1], out[v, 2] = d.x, d.y, d.z
 
 
 @kernel
