@@ -15,9 +15,11 @@ import numpy.typing as npt
 
 from isophote.convert.contour_grid import Grid
 from isophote.kernels.base.table import Packed
-from isophote.kernels.measure import contour_faces, contour_faults
+from isophote.kernels.measure import contour_faces, contour_faults, contour_parts
 from isophote.kernels.measure.contour_cases import CASES, COUNT_SHIFT, case_word, twice_crossed_faces
-from isophote.kernels.measure.contour_tables import BRICK
+from isophote.kernels.measure.contour_tables import BRICK, MOMENTS
+from isophote.kernels.measure.contour_vertices import VERTICES
+from isophote.kernels.measure.qef import QEF_WORDS
 from isophote.progress import Reporter
 
 __all__ = ["LEAST_HEIGHT", "Chunk", "Longs", "Spread", "Triangles", "join", "taken"]
@@ -31,8 +33,8 @@ LEAST_HEIGHT = 0.02
 # Bricks that a thread is given at once.
 _BRICKS = 16
 # Arrays of a chunk that have a row for each cell, each edge, and each component.
-_CELLS = ("codes", "cases", "firsts")
-_EDGES = ("edges", "rings", "crossings", "normals")
+_CELLS = ("codes", "cases", "firsts", "first_edges")
+_EDGES = ("edges", "rings", "crossings")
 _COMPONENTS = ("parents", "roots", "levels", "places")
 
 
@@ -47,15 +49,19 @@ class Chunk(NamedTuple):
     """What some bricks put out; see OUTPUT of kernels/measure/contour_tables.py."""
 
     arrays: dict[str, npt.NDArray[Any]]
-    ends: Ints
+    # How many cells, edges, components and ambiguous cells each brick has.
+    counts: Ints
 
 
-def taken(output: Packed, bricks: int) -> Chunk:
-    """What so many bricks have put out, which nobody else may write to again."""
-    ends = output.arrays["ends"][:bricks]
-    cells, edges, components, _ = ends[-1].tolist()
-    lengths = dict.fromkeys(_CELLS, cells) | dict.fromkeys(_EDGES, edges) | dict.fromkeys(_COMPONENTS, components)
-    return Chunk({name: output.arrays[name][:length] for name, length in lengths.items()}, ends)
+def taken(output: Packed, first: int, last: int) -> Chunk:
+    """What the bricks `first` to `last` have put out."""
+    ends = np.zeros((last - first + 1, 4), np.int32)
+    ends[first == 0 :] = output.arrays["ends"][max(first - 1, 0) : last]
+    counts = np.diff(ends, axis=0)
+    counts[:, 3] = ends[1:, 3]
+    spans = [slice(a, b) for a, b in zip(ends[0].tolist(), ends[-1].tolist(), strict=True)]
+    names = ((_CELLS, spans[0]), (_EDGES, spans[1]), (_COMPONENTS, spans[2]))
+    return Chunk({name: output.arrays[name][span] for group, span in names for name in group}, counts)
 
 
 def join(
@@ -65,7 +71,8 @@ def join(
     if not chunks:
         return Triangles(np.zeros((0, 3)), np.zeros((0, 3), np.int32))
     arrays = _one_after_another(chunks, spread)
-    starts, edge_starts, nodes = (_starts(np.concatenate([_counts(chunk, k) for chunk in chunks])) for k in range(3))
+    counts = np.concatenate([chunk.counts for chunk in chunks])
+    starts, edge_starts, nodes = (_starts(counts[:, k]) for k in range(3))
     slots = np.full(int(np.prod(grid.bricks)), -1, np.int32)
     slots[bricks] = np.arange(len(bricks))
     count = len(arrays["parents"])
@@ -80,6 +87,7 @@ def join(
         "words": CASES,
         "split": np.zeros(count, np.uint8),
         "to_split": np.zeros(count, np.uint8),
+        "changed": np.zeros(count, np.uint8),
         "least_height": least_height,
         "present": np.zeros((len(bricks), BRICK**3 // 32), np.int32),
         "ranks": np.empty((len(bricks), BRICK**3 // 32), np.int32),
@@ -87,18 +95,13 @@ def join(
     tables = contour_faces.FACES.pack(**arrays, **fixed)
     jobs = ((tables.words, a, min(a + _BRICKS, len(bricks))) for a in range(0, len(bricks), _BRICKS))
     list(spread(contour_faces.index_bricks, jobs))
-    if any(chunk.ends[:, 3].any() for chunk in chunks):
+    if counts[:, 3].any():
         tables = _mended(tables)
     triangles = np.concatenate(_faces(tables, grid, spread, report))
     places = tables.arrays["places"]
     numbers, vertices = np.zeros(len(places), np.int32), np.empty_like(places)
     count = contour_faces.put_together(places, grid.cell, grid.low, triangles, numbers, vertices)
     return Triangles(vertices[:count].copy(), triangles)
-
-
-def _counts(chunk: Chunk, column: int) -> Ints:
-    """How many cells, edges or components each brick of a chunk has."""
-    return np.diff(chunk.ends[:, column], prepend=0)
 
 
 def _starts(counts: npt.NDArray[Any]) -> Longs:
@@ -163,49 +166,78 @@ def _rejoined(tables: Packed, joined: dict[int, int]) -> Packed:
     arrays["cases"][cells] = cases
     arrays["firsts"][cells] = len(arrays["parents"]) + _starts(counts)[:-1] - arrays["nodes"][bricks]
     arrays["words"] = table
-    for name, fill in (("parents", -1), ("levels", 0), ("split", 0), ("to_split", 0), ("roots", 0), ("places", 0)):
-        added = np.full((extra, *arrays[name].shape[1:]), fill, arrays[name].dtype)
+    for name in ("parents", "levels", "split", "to_split", "changed", "roots", "places"):
+        added = np.full((extra, *arrays[name].shape[1:]), -1 if name == "parents" else 0, arrays[name].dtype)
         arrays[name] = np.concatenate([arrays[name], added])
     tables = contour_faces.FACES.pack(**arrays)
-    contour_faults.place_components(tables.words, cells, bricks, _first_edges(arrays["cases"]))
+    contour_faults.place_components(tables.words, cells, bricks)
     return tables
-
-
-def _first_edges(cases: Ints) -> Longs:
-    """The number of the first edge of each cell."""
-    x, y, z = ((cases ^ cases >> (1 << axis)) & 1 for axis in range(3))
-    return _starts(x + y + z)
 
 
 def _faces(tables: Packed, grid: Grid, spread: Spread, report: Reporter) -> list[Ints]:
     """The triangles of each brick's edges, by numbers of components."""
     arrays = tables.arrays
-    edges = np.diff(arrays["edge_starts"])
-    found: list[Ints] = [np.empty((0, 3), np.int32)] * len(edges)
+    most = 2 * np.diff(arrays["edge_starts"])
+    found = [_room(0)] * len(most)
 
     def write(bricks: Longs) -> None:
-        out, ends = np.empty((2 * int(edges[bricks].sum()), 3), np.int32), np.empty(len(bricks), np.int64)
-        contour_faces.write_faces(tables.words, bricks, out, ends)
+        out = _room(int(most[bricks].sum()), len(bricks))
+        contour_faces.write_faces(tables.words, bricks, out.words)
         first = 0
-        for brick, end in zip(bricks.tolist(), ends.tolist(), strict=True):
-            found[brick], first = out[first:end], end
+        for brick, end in zip(bricks.tolist(), out.arrays["ends"].tolist(), strict=True):
+            found[brick], first = _part(out, first, end), end
 
-    todo = np.arange(len(edges))
-    while len(todo):
-        list(spread(write, ((todo[a : a + _BRICKS],) for a in range(0, len(todo), _BRICKS))))
+    def mend(brick: int) -> None:
+        out = _room(int(most[brick]))
+        contour_faces.mend_faces(tables.words, np.array([brick]), found[brick].words, out.words)
+        found[brick] = _part(out, 0, int(out.arrays["ends"][0]))
+
+    numbers = np.arange(len(most))
+    list(spread(write, ((numbers[a : a + _BRICKS],) for a in range(0, len(most), _BRICKS))))
+    report("joining", 0.5)
+    parts = _parts()
+    while len(split := _newly_split(arrays)):
+        bricks = np.unique(np.searchsorted(arrays["nodes"], split, "right") - 1)
+        arrays["changed"][:] = 0
+        contour_faces.find_vertices(tables.words, bricks)
+        contour_parts.place_parts(tables.words, bricks, parts.words)
+        list(spread(mend, ((brick,) for brick in _touched(arrays, split, grid).tolist())))
         report("joining", 0.5)
-        split = np.flatnonzero(arrays["to_split"])
-        arrays["split"][split] = 1
-        arrays["to_split"][split] = 0
-        contour_faces.find_vertices(tables.words, _bricks_of(arrays, split))
-        todo = _touched(arrays, split, grid)
     report("joining", 1.0)
-    return found
+    return [faces.arrays["vertices"] for faces in found]
 
 
-def _bricks_of(arrays: dict[str, Any], components: Longs) -> Longs:
-    """The bricks that components lie in, each once."""
-    return np.unique(np.searchsorted(arrays["nodes"], components, "right") - 1)
+def _room(triangles: int, bricks: int = 1) -> Packed:
+    """Room for the triangles of some bricks."""
+    vertices, edges = np.empty((triangles, 3), np.int32), np.empty(triangles, np.int32)
+    return contour_faces.TRIANGLES.pack(vertices=vertices, edges=edges, ends=np.empty(bricks, np.int64))
+
+
+def _part(faces: Packed, first: int, end: int) -> Packed:
+    arrays = faces.arrays
+    return contour_faces.TRIANGLES.pack(
+        vertices=arrays["vertices"][first:end], edges=arrays["edges"][first:end], ends=arrays["ends"]
+    )
+
+
+def _parts() -> Packed:
+    """Scratch for the vertices of what is split."""
+    return contour_parts.PARTS.pack(
+        components=np.zeros(VERTICES, np.int32),
+        codes=np.zeros(VERTICES, np.int32),
+        moments=np.zeros((VERTICES + 1, MOMENTS)),
+        places=np.zeros((VERTICES, 3)),
+        qefs=np.zeros(QEF_WORDS, np.float32),
+    )
+
+
+def _newly_split(arrays: dict[str, Any]) -> Longs:
+    """The components that shall be split, which are marked as such."""
+    # The search is many times as fast for truth values as for numbers.
+    split = np.flatnonzero(arrays["to_split"].view(np.bool_))
+    arrays["split"][split] = 1
+    arrays["to_split"][split] = 0
+    return split
 
 
 def _touched(arrays: dict[str, Any], components: Longs, grid: Grid) -> Longs:

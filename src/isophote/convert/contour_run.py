@@ -32,7 +32,7 @@ MEMORY = 4e9
 # Bytes for each brick that the surface crosses: the mesh of some 1,500 cells, its parts before they are joined, and the
 # index of the brick's cells.
 _A_BRICK = 400_000
-# Bricks that a thread is given at once, and what their cells have room for at first.
+# Bricks that a thread is given at once, and components of a brick that there is room for at first.
 _CHUNK = 8
 _ROOM = 1 << 14
 
@@ -100,34 +100,44 @@ def _find_bricks(contour: Packed, grid: Grid, field: _Field, spread: Spread) -> 
     return np.sort(np.concatenate(parts))
 
 
+class _Room(NamedTuple):
+    """The scratch of a thread, for bricks of `size` components, and what it puts out, `done` bricks as yet."""
+
+    work: Packed
+    output: Packed
+    done: int
+    size: int
+
+
 class _Worker:
     """Contours chunks of bricks, with the scratch of its thread, which grows where a brick needs more."""
 
     def __init__(self, contour: Packed, grid: Grid, bricks: Longs, field: _Field) -> None:
         self._contour, self._grid, self._bricks, self._field = contour, grid, bricks, field
-        self._free: list[tuple[Packed, int]] = []
+        self._free: list[_Room] = []
 
     def __call__(self, first: int, last: int) -> list[Chunk]:
         room = self._free.pop() if self._free else self._new(_ROOM)
         chunks = []
         while first < last:
-            work, size = room
-            output = new_output(size, 4 * size, last - first)
             status, done = contour_brick.contour_bricks(
-                self._contour.words, work.words, output.words, self._bricks, first, last
+                self._contour.words, room.work.words, room.output.words, self._bricks, first, last, room.done
             )
-            if done:
-                chunks.append(taken(output, done))
-                first += done
-            elif status == contour_brick.NO_ROOM:
-                room = self._new(2 * size)
+            if done > room.done:
+                chunks.append(taken(room.output, room.done, done))
+                first += done - room.done
+            if status == contour_brick.NO_ROOM:
+                # What a brick needs more than all of, it needs twice.
+                room = self._new(room.size if done > 0 else 2 * room.size)
+            elif status == contour_brick.DONE:
+                room = room._replace(done=done)
             else:
                 self._refuse(status, int(self._bricks[first]))
         self._free.append(room)
         return chunks
 
-    def _new(self, size: int) -> tuple[Packed, int]:
-        return new_work(*self._field, size), size
+    def _new(self, size: int) -> _Room:
+        return _Room(new_work(*self._field, size), new_output(4 * size, 16 * size, len(self._bricks)), 0, size)
 
     def _refuse(self, status: int, brick: int) -> None:
         grid = self._grid
@@ -146,6 +156,6 @@ def _contour(worker: _Worker, bricks: Longs, spread: Spread, report: Reporter) -
     done = 0
     for parts in spread(worker, spans):
         chunks += parts
-        done += sum(len(part.ends) for part in parts)
+        done += sum(len(part.counts) for part in parts)
         report("contouring", done / len(bricks))
     return chunks

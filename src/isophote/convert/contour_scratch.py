@@ -103,6 +103,11 @@ def _ints(*shape: int) -> npt.NDArray[np.int32]:
     return np.empty(shape, np.int32)
 
 
+def _rows(count: int) -> npt.NDArray[np.float64]:
+    """Rows of error functions, each on its own cache lines."""
+    return scratch(2 * MOMENTS * count).view(np.float64).reshape(count, MOMENTS)
+
+
 def new_work(rows: Any, data: Packed, components: int) -> Packed:
     """Scratch of one thread, for a tape's rows, their data, and bricks of so many components."""
     clusters = 6 * components
@@ -130,16 +135,17 @@ def new_work(rows: Any, data: Packed, components: int) -> Packed:
         crossed_cells=_ints(BLOCK * BLOCK),
         crossing_of=_ints(_MOST_CROSSINGS),
         starts=_ints(_MOST_CROSSINGS),
+        corners=_ints(_MOST_CROSSINGS),
         pending=_ints(_MOST_CROSSINGS),
         late=_ints(_MOST_CROSSINGS),
         roots=scratch(ROOT_ROWS * 16 * WIDTH),
         crossings=np.empty(_MOST_CROSSINGS * CROSSING, np.float32),
-        planes=np.zeros((_MOST_CROSSINGS, MOMENTS)),
+        planes=_rows(_MOST_CROSSINGS),
         around=_ints(4 * _MOST_CROSSINGS),
         qefs=np.zeros(QEF_WORDS, np.float32),
         spots=_ints(components),
         crossed=_ints(clusters, 12),
-        moments=np.empty((clusters, MOMENTS)),
+        moments=_rows(clusters),
         places=np.empty((clusters, 3)),
         codes=_ints(clusters),
         masks=_ints(clusters),
@@ -165,10 +171,10 @@ def new_output(cells: int, components: int, bricks: int) -> Packed:
         codes=_ints(cells),
         cases=_ints(cells),
         firsts=_ints(cells),
+        first_edges=_ints(cells),
         edges=_ints(edges),
         rings=_ints(edges, 4),
-        crossings=np.empty(edges, np.float32),
-        normals=_ints(edges),
+        crossings=np.empty((edges, CROSSING), np.float32),
         parents=_ints(components),
         roots=_ints(components),
         levels=np.empty(components, np.uint8),

@@ -19,7 +19,7 @@ _STAGE = "compiling kernels (first use on this machine)"
 _OTHER_PROCESS = "from isophote.convert.contour_warm import compile_others; compile_others()"
 
 _WORDS, _LINKED = "int64[::1]", "int64(int64, int64, int64, int64)"
-_BRICK_KERNEL = (contour_brick, "contour_bricks", f"({_WORDS}, {_WORDS}, {_WORDS}, int64[::1], int64, int64)")
+_BRICK_KERNEL = (contour_brick, "contour_bricks", f"({_WORDS}, {_WORDS}, {_WORDS}, int64[::1], int64, int64, int64)")
 _OTHERS = (
     (tape_linked, "intervals", _LINKED),
     (tape_linked, "values", _LINKED),
@@ -27,12 +27,13 @@ _OTHERS = (
     (contour_regions, "find_bricks", f"({_WORDS}, {_WORDS}, int64, int64, int64[::1])"),
     (contour_faces, "index_bricks", f"({_WORDS}, int64, int64)"),
     (contour_faces, "find_vertices", f"({_WORDS}, int64[::1])"),
-    (contour_faces, "write_faces", f"({_WORDS}, int64[::1], int32[:, ::1], int64[::1])"),
+    (contour_faces, "write_faces", f"({_WORDS}, int64[::1], {_WORDS})"),
     (
         contour_faces,
         "put_together",
         "(float64[:, ::1], float64, float64[::1], int32[:, ::1], int32[::1], float64[:, ::1])",
     ),
+    (contour_faces, "mend_faces", f"({_WORDS}, int64[::1], {_WORDS}, {_WORDS})"),
     (contour_faults, "find_faults", f"({_WORDS}, int64[::1], int64[::1], int32[::1], int64[:, ::1])"),
 )
 

@@ -289,8 +289,8 @@ def _points(vertices: npt.ArrayLike) -> npt.NDArray[np.float64]:
         raise GeometryError(f"vertices must be numbers of shape (n, 3): {error}") from error
     if given.ndim != 2 or given.shape[1] != 3:
         raise GeometryError(f"vertices must have shape (n, 3), but have {given.shape}")
-    finite = np.isfinite(given).all(axis=1)
-    if not finite.all():
+    if not np.isfinite(given).all():
+        finite = np.isfinite(given).all(axis=1)
         bad = int(np.argmin(finite))
         raise GeometryError(f"vertex {bad} is not finite: {given[bad].tolist()} ({int((~finite).sum())} such in all)")
     return _own(given, np.float64)

@@ -8,7 +8,7 @@ from isophote.kernels.base.jit import device
 from isophote.kernels.base.linked import call_linked
 from isophote.kernels.base.simd import bits, load16, lowest_bit, splat16, store16
 from isophote.kernels.forms.opcodes import INPUTS
-from isophote.kernels.measure.contour_tables import BLOCK, BLOCK_SAMPLES, POINTS, WIDTH
+from isophote.kernels.measure.contour_tables import BLOCK, BLOCK_SAMPLES, ELSEWHERE, POINTS, WIDTH
 
 __all__ = ["find_crossed_edges", "sample_block"]
 
@@ -17,7 +17,7 @@ _LAYER = _SIDE * _SIDE
 _STRIDE = np.int64(16 * WIDTH)
 _ALL = np.int32(0xFFFF)
 _ZERO = np.float32(0)
-_NONE = np.int32(-1)
+_ELSEWHERE = np.int32(ELSEWHERE)
 _X, _Y, _Z = np.int64(0), np.int64(1), np.int64(2)
 
 
@@ -64,13 +64,14 @@ def sample_block(grid, work, count, i, j, k):
 
 
 @device
-def _add_edges(work, crossed, axis, sample, count):
-    """Number the edges along an axis that start at the samples of set bits."""
+def _add_edges(work, crossed, axis, y, z, count):
+    """Number the edges along an axis that start at the samples of set bits of a row."""
+    start, corner = axis * BLOCK_SAMPLES + (z * _SIDE + y) * _SIDE, axis << 12 | z << 8 | y << 4
     while crossed != 0:
-        start = axis * BLOCK_SAMPLES + sample + lowest_bit(np.int32(crossed))
-        crossed &= crossed - 1
-        work.starts[count] = np.int32(start)
-        work.crossing_of[start] = np.int32(count)
+        x = np.int64(lowest_bit(crossed))
+        crossed &= crossed - np.int32(1)
+        work.starts[count], work.corners[count] = np.int32(start + x), np.int32(corner + x)
+        work.crossing_of[start + x] = np.int32(count)
         count += 1
     return count
 
@@ -81,13 +82,18 @@ def find_crossed_edges(work):
     signs = work.rows_of_signs
     count = _X
     inner = np.int32((1 << BLOCK) - 1)
-    for row in range(_LAYER):
-        count = _add_edges(work, np.int64((signs[row] ^ signs[row] >> 1) & inner), _X, row * _SIDE, count)
     for z in range(_SIDE):
-        for row in range(z * _SIDE, z * _SIDE + BLOCK):
-            count = _add_edges(work, np.int64(signs[row] ^ signs[row + 1]), _Y, row * _SIDE, count)
-    for row in range(BLOCK * _SIDE):
-        count = _add_edges(work, np.int64(signs[row] ^ signs[row + _SIDE]), _Z, row * _SIDE, count)
+        for y in range(_SIDE):
+            here = signs[z * _SIDE + y]
+            count = _add_edges(work, np.int32((here ^ here >> 1) & inner), _X, y, z, count)
+    for z in range(_SIDE):
+        for y in range(BLOCK):
+            row = z * _SIDE + y
+            count = _add_edges(work, np.int32(signs[row] ^ signs[row + 1]), _Y, y, z, count)
+    for z in range(BLOCK):
+        for y in range(_SIDE):
+            row = z * _SIDE + y
+            count = _add_edges(work, np.int32(signs[row] ^ signs[row + _SIDE]), _Z, y, z, count)
     for entry in range(4 * count):
-        work.around[entry] = _NONE
+        work.around[entry] = _ELSEWHERE
     return count

@@ -8,7 +8,7 @@ from isophote.kernels.base.jit import device, kernel
 from isophote.kernels.base.simd import lowest_bit
 from isophote.kernels.forms.tape_prune import shorten
 from isophote.kernels.measure.contour_block import find_crossed_edges, sample_block
-from isophote.kernels.measure.contour_cells import gather_cells, weigh_crossings
+from isophote.kernels.measure.contour_cells import gather_cells
 from isophote.kernels.measure.contour_merge import merge_components
 from isophote.kernels.measure.contour_regions import child_place, children_undecided, shorten_for_region
 from isophote.kernels.measure.contour_roots import find_roots
@@ -58,7 +58,7 @@ def _has_room(work, output, cell, edge, component, base):
 
 
 @device
-def _contour_block(grid, work, output, rows, child, i, j, k, cell, edge, component, base):
+def _contour_block(grid, work, output, rows, child, i, j, k, cell, edge, component, base, first_edge):
     """Contour one block of a brick at (i, j, k): how it ended, the next free numbers of cells, edges and components,
     and how many cells are ambiguous."""
     x, y, z = child_place(child)
@@ -72,11 +72,11 @@ def _contour_block(grid, work, output, rows, child, i, j, k, cell, edge, compone
         return _DONE, cell, edge, component, _NONE
     if not _has_room(work, output, cell, edge, component, base):
         return _NO_ROOM, cell, edge, component, _NONE
-    find_roots(grid, work, rows, crossings, x, y, z)
-    weigh_crossings(work, crossings)
+    some_unknown = find_roots(grid, work, rows, crossings, x, y, z)
     corner = (z * _SIDE + y) * _SIDE + x
-    block = np.int64(child)
-    cell, edge, component, ambiguous = gather_cells(grid, work, output, block, corner, _SIDE, cell, edge, component)
+    cell, edge, component, ambiguous = gather_cells(
+        grid, work, output, np.int64(child), corner, _SIDE, some_unknown, cell, edge, component, first_edge
+    )
     return _DONE, cell, edge, component, ambiguous
 
 
@@ -84,7 +84,7 @@ def _contour_block(grid, work, output, rows, child, i, j, k, cell, edge, compone
 def _contour_blocks(grid, work, output, i, j, k, cell, edge, base):
     """Contour the blocks of a brick: how it ended, the next free numbers of cells and edges, the number of components,
     and of ambiguous cells."""
-    component, ambiguous = _NONE, _NONE
+    component, ambiguous, first_edge = _NONE, _NONE, edge
     near = shorten_for_region(grid, work, i, j, k, np.int64(BRICK))
     if near == 0:
         return _DONE, cell, edge, component, ambiguous
@@ -95,7 +95,7 @@ def _contour_blocks(grid, work, output, i, j, k, cell, edge, base):
             held &= held - np.int32(1)
             rows = shorten(work.near, np.int64(0), near, work.choices, lane, work.leaf, np.int64(0), work.marks)
             status, cell, edge, component, more = _contour_block(
-                grid, work, output, rows, 16 * sixteen + lane, i, j, k, cell, edge, component, base
+                grid, work, output, rows, 16 * sixteen + lane, i, j, k, cell, edge, component, base, first_edge
             )
             ambiguous += more
             if status != _DONE:
@@ -104,47 +104,65 @@ def _contour_blocks(grid, work, output, i, j, k, cell, edge, base):
 
 
 @device
+def _solve(work, count):
+    solve_qefs(work.qefs)
+    for lane in range(count):
+        place_found(work, lane, np.int64(work.list[lane]))
+
+
+@device
 def _place_smallest(grid, work, components):
-    """Place the vertices of the smallest cells."""
+    """Place the vertices of the smallest cells that are not merged."""
     if grid.sharp == 0:
         for component in range(components):
             place_at_mean(work, component)
         return
-    for first in range(0, components, VERTICES):
-        count = min(VERTICES, components - first)
-        for lane in range(count):
-            load_error(work, lane, first + lane, np.int64(1))
-        solve_qefs(work.qefs)
-        for lane in range(count):
-            place_found(work, lane, first + lane)
+    pending = _NONE
+    for component in range(components):
+        if work.parents[component] >= 0:
+            continue
+        load_error(work, pending, component, np.int64(1))
+        work.list[pending] = np.int32(component)
+        pending += 1
+        if pending == VERTICES:
+            _solve(work, pending)
+            pending = _NONE
+    _solve(work, pending)
 
 
 @device
 def _put_out(work, output, made, base, i, j, k):
     """Put out a brick's components; the next free number."""
+    x, y, z = np.float64(i), np.float64(j), np.float64(k)
     for component in range(made):
-        node = base + component
-        output.parents[node] = work.parents[component]
-        output.levels[node] = work.levels[component]
-        output.places[node, 0] = work.places[component, 0] + np.float64(i)
-        output.places[node, 1] = work.places[component, 1] + np.float64(j)
-        output.places[node, 2] = work.places[component, 2] + np.float64(k)
+        output.parents[base + component] = work.parents[component]
+    for component in range(made):
+        output.levels[base + component] = work.levels[component]
+    for component in range(made):
+        if work.parents[component] < 0 or work.levels[component] > 0:
+            place, out = work.places[component], output.places[base + component]
+            out[0], out[1], out[2] = place[0] + x, place[1] + y, place[2] + z
     # What components are merged into comes after them.
     for component in range(made - 1, -1, -1):
         parent = np.int64(work.parents[component])
-        output.roots[base + component] = output.roots[base + parent] if parent >= 0 else np.int32(component)
+        root = parent - component + output.roots[base + parent] if parent >= 0 else _NONE
+        output.roots[base + component] = np.int32(root)
     return base + made
 
 
 @kernel
-def contour_bricks(contour, scratch, out, bricks, first, last):
-    """Contour `bricks[first:last]`, numbers of bricks; what comes of them goes to the output, a row of `ends` for each.
+def contour_bricks(contour, scratch, out, bricks, first, last, done):
+    """Contour `bricks[first:last]`, numbers of bricks; what comes of them goes to the output, after the `done` bricks
+    that are there already, a row of `ends` for each.
 
-    Returns how it ended, and how many bricks are done.
+    Returns how it ended, and how many bricks are in the output then.
     """
     grid, work, output = _open_contour(contour), _open_work(scratch), _open_output(out)
     across, along = (grid.nx + BRICK - 1) // BRICK, (grid.ny + BRICK - 1) // BRICK
-    cell, edge, base = np.int64(0), np.int64(0), np.int64(0)
+    cell, edge, base = _NONE, _NONE, _NONE
+    if done > 0:
+        before = output.ends[done - 1]
+        cell, edge, base = np.int64(before[0]), np.int64(before[1]), np.int64(before[2])
     for place in range(first, last):
         brick = bricks[place]
         i, j, k = brick % across * BRICK, brick // across % along * BRICK, brick // (across * along) * BRICK
@@ -152,7 +170,7 @@ def contour_bricks(contour, scratch, out, bricks, first, last):
             grid, work, output, i, j, k, cell, edge, base
         )
         if status != _DONE:
-            return status, place - first
+            return status, done
         cell, edge, made = next_cell, next_edge, components
         for component in range(components):
             work.parents[component], work.levels[component] = np.int32(-1), 0
@@ -160,6 +178,7 @@ def contour_bricks(contour, scratch, out, bricks, first, last):
             made = merge_components(grid, work, components)
         _place_smallest(grid, work, components)
         base = _put_out(work, output, made, base, i, j, k)
-        row = output.ends[place - first]
+        row = output.ends[done]
+        done += 1
         row[0], row[1], row[2], row[3] = np.int32(cell), np.int32(edge), np.int32(base), np.int32(ambiguous)
-    return _DONE, np.int64(last - first)
+    return _DONE, done

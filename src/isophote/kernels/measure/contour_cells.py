@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from isophote.kernels.base.jit import device
-from isophote.kernels.base.simd import lowest_bit
-from isophote.kernels.base.simd_double import load_doubles, splat_doubles, store_doubles
+from isophote.kernels.base.simd import load4, lowest_bit, store4
+from isophote.kernels.base.simd_double import double_lane, load_doubles, splat_doubles, store_doubles
 from isophote.kernels.measure.contour_cases import AMBIGUOUS, COUNT_SHIFT
 from isophote.kernels.measure.contour_tables import (
     AXIS_BIT,
@@ -18,34 +18,15 @@ from isophote.kernels.measure.contour_tables import (
 )
 from isophote.kernels.measure.morton import bit_count
 
-__all__ = ["BLOCKED", "gather_cells", "weigh_crossings"]
+__all__ = ["BLOCKED", "gather_cells"]
 
 # Beside the twelve bits of a component's crossed edges: it must not be merged.
 BLOCKED = np.int32(1 << 12)
 
 _SIDE = np.int64(BLOCK + 1)
 _HALF_BLOCK = np.int64(BLOCK // 2)
-_HALF_RANGE = np.float32(511)
-_NOTHING = np.float64(0)
-_UNKNOWN = np.int64(15)
-
-
-@device
-def weigh_crossings(work, count):
-    """What the plane of each crossing of a block adds to an error function."""
-    for crossing in range(count):
-        at = crossing * CROSSING
-        px, py, pz = work.crossings[at], work.crossings[at + 1], work.crossings[at + 2]
-        nx, ny, nz = work.crossings[at + 3], work.crossings[at + 4], work.crossings[at + 5]
-        x, y, z = np.float64(px), np.float64(py), np.float64(pz)
-        u, v, w = np.float64(nx), np.float64(ny), np.float64(nz)
-        d = u * x + v * y + w * z
-        row = work.planes[crossing]
-        row[0], row[1], row[2] = u * u, u * v, u * w
-        row[3], row[4], row[5] = v * v, v * w, w * w
-        row[6], row[7], row[8], row[9] = u * d, v * d, w * d, d * d
-        row[10], row[11], row[12], row[13] = x, y, z, 1.0
-        row[_UNKNOWN] = 0.0 if u * u + v * v + w * w > 0.5 else 1.0
+_NOTHING, _HALF = np.float64(0), np.float64(0.5)
+_XX, _YY, _ZZ = np.int64(0), np.int64(3), np.int64(5)
 
 
 @device
@@ -77,7 +58,7 @@ def _signs_of_cell(signs, x, row):
 
 
 @device
-def _add_components(grid, work, case, code, spot, sample, first):
+def _add_components(grid, work, case, code, spot, sample, some_unknown, first):
     """Make the components of a cell, from number `first` on; the next free number."""
     word = grid.cases[case]
     flags = BLOCKED if word & AMBIGUOUS else np.int32(0)
@@ -86,32 +67,24 @@ def _add_components(grid, work, case, code, spot, sample, first):
     for number in range(word >> COUNT_SHIFT & 7):
         mask = grid.component_edges[4 * case + number]
         low, high = splat_doubles(_NOTHING), splat_doubles(_NOTHING)
-        for entry in range(at, at + bit_count(np.int64(mask))):
+        bits = bit_count(np.int64(mask))
+        for entry in range(at, at + bits):
             place = np.int64(grid.crossings_of_cases[entry])
             crossing = np.int64(work.crossing_of[sample + (place >> 2)])
             work.around[4 * crossing + (place & 3)] = np.int32(component)
             low = low + load_doubles(work.planes, MOMENTS * crossing)
             high = high + load_doubles(work.planes, MOMENTS * crossing + 8)
-        at += bit_count(np.int64(mask))
+        at += bits
         store_doubles(work.moments, MOMENTS * component, low)
         store_doubles(work.moments, MOMENTS * component + 8, high)
-        mask |= flags
-        if work.moments[component, _UNKNOWN] != 0.0:
-            mask |= BLOCKED
         work.codes[component] = code
-        work.masks[component] = mask
+        work.masks[component] = mask | flags
+        # Where a crossing has no normal, the trace is less than the number of crossings.
+        if some_unknown and double_lane(low, _XX) + double_lane(low, _YY) + double_lane(low, _ZZ) < bits - _HALF:
+            work.masks[component] |= BLOCKED
         work.spots[component] = np.int32(spot)
         component += 1
     return component
-
-
-@device
-def _packed_normal(crossings, at):
-    """A unit vector in ten bits a coordinate."""
-    packed = np.int32(0)
-    for axis in range(3):
-        packed |= np.int32(crossings[at + axis] * _HALF_RANGE + _HALF_RANGE) << np.int32(10 * axis)
-    return packed
 
 
 @device
@@ -122,20 +95,19 @@ def _put_edges(work, output, case, code, sample, edge):
             continue
         crossing = np.int64(work.crossing_of[axis * BLOCK_SAMPLES + sample])
         output.edges[edge] = case & np.int32(1) | np.int32(axis << AXIS_BIT) | code << np.int32(CODE_BIT)
-        for cell in range(4):
-            output.rings[edge, cell] = work.around[4 * crossing + cell]
-        output.crossings[edge] = work.crossings[CROSSING * crossing + axis]
-        output.normals[edge] = _packed_normal(work.crossings, CROSSING * crossing + 3)
+        store4(output.rings, 4 * edge, load4(work.around, 4 * crossing))
+        store4(output.crossings, CROSSING * edge, load4(work.crossings, CROSSING * crossing))
         edge += 1
     return edge
 
 
 @device
-def gather_cells(grid, work, output, block, corner, side, cell, edge, component):
+def gather_cells(grid, work, output, block, corner, side, some_unknown, cell, edge, component, first_edge):
     """Put out the cells of a block that the surface crosses, in the order of their codes, and make their components.
 
-    The block has its number in the brick and its first sample the number `corner` there, of side³ samples; `cell`,
-    `edge` and `component` are the next free numbers, which are returned, and the number of ambiguous cells.
+    The block has its number in the brick and its first sample the number `corner` there, of side³ samples; some
+    crossings may have no normal. `cell`, `edge` and `component` are the next free numbers, which are returned, and the
+    number of ambiguous cells; `first_edge` is the brick's first.
     """
     _find_crossed_cells(work)
     ambiguous = np.int64(0)
@@ -152,12 +124,12 @@ def gather_cells(grid, work, output, block, corner, side, cell, edge, component)
             code = np.int32(block * BLOCK * BLOCK * BLOCK + 8 * eight + child)
             output.codes[cell] = code
             output.cases[cell] = case
-            output.firsts[cell] = np.int32(component)
+            output.firsts[cell], output.first_edges[cell] = np.int32(component), np.int32(edge - first_edge)
             if grid.cases[case] & AMBIGUOUS:
                 ambiguous += 1
             sample = row * _SIDE + i
             spot = corner + (k * side + j) * side + i
-            component = _add_components(grid, work, case, code, spot, sample, component)
+            component = _add_components(grid, work, case, code, spot, sample, some_unknown, component)
             edge = _put_edges(work, output, case, code, sample, edge)
             cell += 1
     return cell, edge, component, ambiguous

@@ -5,19 +5,22 @@ from __future__ import annotations
 import numpy as np
 
 from isophote.kernels.base.double3 import Double3, cross3, difference, dot3
-from isophote.kernels.base.jit import device, kernel
-from isophote.kernels.base.table import BYTES, DOUBLE_BOXES, FLOAT, FLOATS, INT, INT_ROWS, INTS, LONGS, Table
+from isophote.kernels.base.jit import device, exact_inline, kernel
+from isophote.kernels.base.table import BYTES, DOUBLE_BOXES, FLOAT, FLOAT_ROWS, INT, INT_ROWS, INTS, LONGS, Table
 from isophote.kernels.measure.contour_cases import COMPONENT_BITS
-from isophote.kernels.measure.contour_tables import AXIS_BIT, BRICK, CODE_BIT
+from isophote.kernels.measure.contour_tables import AXIS_BIT, BRICK, CODE_BIT, ELSEWHERE
 from isophote.kernels.measure.morton import bit_count, morton, unpacked
 
 __all__ = [
     "FACES",
+    "TRIANGLES",
     "cell_of",
     "find_vertices",
     "index_bricks",
+    "mend_faces",
     "open_faces",
     "place_of_brick",
+    "place_of_edge",
     "put_together",
     "slot_at",
     "write_faces",
@@ -38,20 +41,22 @@ FACES = Table(
     codes=INTS,
     cases=INTS,
     firsts=INTS,
+    first_edges=INTS,
     words=INTS,
-    # Edges, see contour_tables.py.
+    # Edges, see contour_tables.py; components of other bricks are put into their rings when they are found.
     edges=INTS,
     rings=INT_ROWS,
-    crossings=FLOATS,
-    normals=INTS,
+    crossings=FLOAT_ROWS,
     # Components: what they are merged into, the level of their cells, whether they are split into their parts again or
-    # shall be; the places of their vertices, in cells of the grid; and what they are merged into in the end.
+    # shall be; the places of their vertices, in cells of the grid; how far on what they are merged into in the end is,
+    # and whether that has just changed.
     parents=INTS,
     levels=BYTES,
     split=BYTES,
     to_split=BYTES,
     places=DOUBLE_BOXES,
     roots=INTS,
+    changed=BYTES,
     # How high, in cells, a triangle must be for its turning over to matter.
     least_height=FLOAT,
     # A bit for each cell of a brick, and how many cells come before each word of 32.
@@ -59,16 +64,19 @@ FACES = Table(
     ranks=INT_ROWS,
 )
 
+# What is written: the triangles of some bricks, (n, 3), in the order of the edges that they are at, and where those of
+# each brick end.
+TRIANGLES = Table("ContourTriangles", vertices=INT_ROWS, edges=INTS, ends=LONGS)
+
 # Triangles whose normals are farther than this cosine from that of the surface are folded over.
 _TURNED = np.float64(0.1)
 # Heights are the same, in cells, that are so close; and the square of a length that is none.
 _CLOSE, _NO_LENGTH = np.float64(1e-4), np.float64(1e-8)
 _ENDLESS = np.float64(np.inf)
-# Normals are whole numbers, so long.
-_LENGTH = np.int64(511)
-# The cells round an edge, besides that which it starts in.
-_BY_U, _BY_V, _FAR = np.int64(1), np.int64(2), np.int64(3)
+_ELSEWHERE = np.int32(ELSEWHERE)
+_ITSELF = np.int64(0)
 open_faces = FACES.open
+_open_triangles = TRIANGLES.open
 
 
 @kernel
@@ -87,7 +95,7 @@ def index_bricks(tables, first, last):
 
 @kernel
 def find_vertices(tables, bricks):
-    """Find what the components of bricks are merged into in the end, and not split."""
+    """Find what the components of bricks are merged into in the end, and not split; notes what has changed."""
     t = open_faces(tables)
     for brick in bricks:
         first = t.nodes[brick]
@@ -95,7 +103,9 @@ def find_vertices(tables, bricks):
         for component in range(t.nodes[brick + 1] - 1, first - 1, -1):
             parent = first + t.parents[component]
             merged = parent >= first and t.split[parent] == 0
-            t.roots[component] = t.roots[parent] if merged else np.int32(component - first)
+            root = parent - component + t.roots[parent] if merged else _ITSELF
+            t.changed[component] = np.uint8(root != t.roots[component])
+            t.roots[component] = np.int32(root)
 
 
 @device
@@ -121,15 +131,9 @@ def place_of_brick(t, brick):
 
 
 @device
-def _root(t, first, component):
-    """The vertex of a component, counted from a brick's first, among all."""
-    return first + t.roots[first + component]
-
-
-@device
-def _root_in_ring(t, axis, around, i, j, k):
-    """The vertex in one of the four cells round an edge, numbered by bits along the two axes after the edge's own, that
-    starts at (i, j, k)."""
+def _find_in_ring(t, edge, axis, around, first, i, j, k):
+    """The component in one of the four cells round an edge, numbered by bits along the two axes after the edge's own,
+    that starts at (i, j, k). It is put into the ring, counted from the first one of the edge's brick."""
     u, v = (axis + 1) % 3, (axis + 2) % 3
     back_u, back_v = around & 1, around >> 1
     i -= back_u * np.int64(u == 0) + back_v * np.int64(v == 0)
@@ -138,30 +142,55 @@ def _root_in_ring(t, axis, around, i, j, k):
     slot = slot_at(t, i, j, k)
     cell = cell_of(t, slot, i, j, k)
     number = t.words[t.cases[cell]] >> COMPONENT_BITS * (4 * axis + around) & 3
-    return _root(t, t.nodes[slot], np.int64(t.firsts[cell] + number))
+    found = t.nodes[slot] + t.firsts[cell] + number - first
+    t.rings[edge, around] = np.int32(found)
 
 
 @device
+def place_of_edge(t, edge, x0, y0, z0):
+    """Where an edge of the brick at (x0, y0, z0) starts in the grid."""
+    code = np.int64(t.edges[edge]) >> CODE_BIT
+    return x0 + unpacked(code), y0 + unpacked(code >> 1), z0 + unpacked(code >> 2)
+
+
+@device
+def _complete_ring(t, edge, first, x0, y0, z0):
+    """Find the components of an edge's ring that lie in other blocks."""
+    ring = t.rings[edge]
+    if min(ring[1], ring[2], ring[3]) != _ELSEWHERE:
+        return
+    axis = np.int64(t.edges[edge]) >> AXIS_BIT & 3
+    i, j, k = place_of_edge(t, edge, x0, y0, z0)
+    for around in range(1, 4):
+        if ring[around] == _ELSEWHERE:
+            _find_in_ring(t, edge, axis, np.int64(around), first, i, j, k)
+
+
+@exact_inline
 def _seen_from(t, vertex, axis, u0, v0, w0):
     """A vertex relative to a point; coordinates begin with those of the two axes after the given one."""
     place = t.places[vertex]
     return Double3(place[(axis + 1) % 3] - u0, place[(axis + 2) % 3] - v0, place[axis] - w0)
 
 
-@device
+@exact_inline
 def _area(a, b):
     """Twice the area, seen along the axis, of the triangle of two points and the crossing."""
     return a.x * b.y - a.y * b.x
 
 
-@device
-def _miss(a, b, c, ab, bc, ac):
-    """How far from the crossing the plane of three points meets the axis."""
-    whole = ab + bc - ac
-    return abs((a.z * bc - b.z * ac + c.z * ab) / whole) if whole != 0.0 else _ENDLESS
+@exact_inline
+def _miss(a, b, c, d, ab, bc, cd, da, ac):
+    """How far from the crossing a quad cut from a to c meets the axis, by the areas between its corners."""
+    abc, acd = ab + bc - ac, ac + cd + da
+    over_abc, over_acd = a.z * bc - b.z * ac + c.z * ab, a.z * cd + c.z * da + d.z * ac
+    # The triangle that the crossing lies in. Both are worked out, since nobody can foretell which it is.
+    in_abc = ac * abc <= 0.0
+    over, whole = over_abc if in_abc else over_acd, abc if in_abc else acd
+    return abs(over / whole) if whole != 0.0 else _ENDLESS
 
 
-@device
+@exact_inline
 def _is_cut_from_first(a, b, c, d):
     """Whether the diagonal from a to c comes nearer to the crossing than that from b to d, or else is shorter.
 
@@ -169,17 +198,16 @@ def _is_cut_from_first(a, b, c, d):
     """
     first, second = difference(c, a), difference(d, b)
     first_square, second_square = dot3(first, first), dot3(second, second)
-    if first_square < _NO_LENGTH or second_square < _NO_LENGTH:
+    if min(first_square, second_square) < _NO_LENGTH:
         return second_square < first_square
     ab, bc, cd, da, ac, bd = _area(a, b), _area(b, c), _area(c, d), _area(d, a), _area(a, c), _area(b, d)
-    along_ac = _miss(a, b, c, ab, bc, ac) if ac * (ab + bc - ac) <= 0.0 else _miss(a, c, d, ac, cd, -da)
-    along_bd = _miss(b, c, d, bc, cd, bd) if bd * (bc + cd - bd) <= 0.0 else _miss(b, d, a, bd, da, -ab)
+    along_ac, along_bd = _miss(a, b, c, d, ab, bc, cd, da, ac), _miss(b, c, d, a, bc, cd, da, ab, bd)
     if abs(along_ac - along_bd) > _CLOSE:
         return along_ac < along_bd
     return first_square <= second_square
 
 
-@device
+@exact_inline
 def _is_folded(t, a, b, c, normal):
     """Whether a triangle is turned away from the surface, and high enough for that to matter."""
     ab, ac, bc = difference(b, a), difference(c, a), difference(c, b)
@@ -190,7 +218,7 @@ def _is_folded(t, a, b, c, normal):
     if square <= height * height * longest:
         return False
     along = dot3(across, normal)
-    return along < 0.0 or along * along < (_TURNED * _LENGTH) * (_TURNED * _LENGTH) * square
+    return along < 0.0 or along * along < _TURNED * _TURNED * square
 
 
 @device
@@ -202,18 +230,19 @@ def _split_largest(t, a, b, c):
             t.to_split[vertex] = 1
 
 
-@device
+@exact_inline
 def _write(t, out, count, a, b, c, p, q, r, normal):
     """Write the triangle of vertices a, b, c at p, q, r; asks for what is folded over to be split."""
     if a == b or b == c or c == a:
         return count
     if t.levels[a] | t.levels[b] | t.levels[c] != 0 and _is_folded(t, p, q, r, normal):
         _split_largest(t, a, b, c)
-    out[count, 0], out[count, 1], out[count, 2] = np.int32(a), np.int32(b), np.int32(c)
+    row = out.vertices[count]
+    row[0], row[1], row[2] = np.int32(a), np.int32(b), np.int32(c)
     return count + 1
 
 
-@device
+@exact_inline
 def _write_quad(t, out, count, a, b, c, d, p, q, r, s, normal):
     """Write the face of vertices a, b, c, d at p, q, r, s, cut in two; where some are one, what is left."""
     if a == b or b == c:
@@ -227,68 +256,96 @@ def _write_quad(t, out, count, a, b, c, d, p, q, r, s, normal):
     return _write(t, out, count, b, d, a, q, s, p, normal)
 
 
-@device
-def _normal(packed, axis):
-    """The normal at a crossing, times `_LENGTH`; coordinates begin with those of the two axes after the given one."""
-    u, v = (axis + 1) % 3, (axis + 2) % 3
-    x = (packed >> 10 * u & 1023) - _LENGTH
-    y = (packed >> 10 * v & 1023) - _LENGTH
-    z = (packed >> 10 * axis & 1023) - _LENGTH
-    return Double3(np.float64(x), np.float64(y), np.float64(z))
-
-
-@device
-def _write_face(t, out, count, edge, axis, i, j, k, a, b, c, d):
-    """The face of the edge along an axis that starts at (i, j, k), between these vertices."""
-    along = i if axis == 0 else j if axis == 1 else k
+@exact_inline
+def _write_face(t, out, count, edge, x0, y0, z0, a, b, c, d):
+    """The face of an edge of the brick at (x0, y0, z0), between these vertices."""
+    word = np.int64(t.edges[edge])
+    axis = word >> AXIS_BIT & 3
+    i, j, k = place_of_edge(t, edge, x0, y0, z0)
     u0 = np.float64(j if axis == 0 else k if axis == 1 else i)
     v0 = np.float64(k if axis == 0 else i if axis == 1 else j)
-    w0 = np.float64(along // BRICK * BRICK) + np.float64(t.crossings[edge])
-    if t.edges[edge] & 1 == 0:
+    crossing = t.crossings[edge]
+    w0 = np.float64(i if axis == 0 else j if axis == 1 else k) + np.float64(crossing[0])
+    u, v = (axis + 1) % 3, (axis + 2) % 3
+    normal = Double3(np.float64(crossing[1 + u]), np.float64(crossing[1 + v]), np.float64(crossing[1 + axis]))
+    if word & 1 == 0:
         a, b, c, d = d, c, b, a
     p, q = _seen_from(t, a, axis, u0, v0, w0), _seen_from(t, b, axis, u0, v0, w0)
     r, s = _seen_from(t, c, axis, u0, v0, w0), _seen_from(t, d, axis, u0, v0, w0)
-    return _write_quad(t, out, count, a, b, c, d, p, q, r, s, _normal(np.int64(t.normals[edge]), axis))
+    return _write_quad(t, out, count, a, b, c, d, p, q, r, s, normal)
+
+
+@device
+def _root_in_ring(t, ring, around, first):
+    """The vertex of a component in a ring."""
+    component = first + ring[around]
+    return component + t.roots[component]
 
 
 @device
 def _write_edge(t, out, count, edge, first, x0, y0, z0):
-    """The face of an edge of the brick at (x0, y0, z0), whose components are numbered from `first` on."""
+    """Write the face of an edge of the brick at (x0, y0, z0), whose components are numbered from `first` on."""
     ring = t.rings[edge]
-    near, by_u, by_v, far = np.int64(ring[0]), np.int64(ring[1]), np.int64(ring[2]), np.int64(ring[3])
-    c = _root(t, first, near)
-    if by_u >= 0 and by_v >= 0 and far >= 0:
-        d, b, a = _root(t, first, by_u), _root(t, first, by_v), _root(t, first, far)
-        # Within a merged cell; or along its border, as whole cells are merged.
-        if (a == b and c == d) or (a == d and b == c):
-            return count
-    word = np.int64(t.edges[edge])
-    axis, code = word >> AXIS_BIT & 3, word >> CODE_BIT
-    i, j, k = x0 + unpacked(code), y0 + unpacked(code >> 1), z0 + unpacked(code >> 2)
-    d = _root(t, first, by_u) if by_u >= 0 else _root_in_ring(t, axis, _BY_U, i, j, k)
-    b = _root(t, first, by_v) if by_v >= 0 else _root_in_ring(t, axis, _BY_V, i, j, k)
-    a = _root(t, first, far) if far >= 0 else _root_in_ring(t, axis, _FAR, i, j, k)
+    c, d = _root_in_ring(t, ring, 0, first), _root_in_ring(t, ring, 1, first)
+    b, a = _root_in_ring(t, ring, 2, first), _root_in_ring(t, ring, 3, first)
+    # Within a merged cell; or along its border, as whole cells are merged.
     if (a == b and c == d) or (a == d and b == c):
         return count
-    return _write_face(t, out, count, edge, axis, i, j, k, a, b, c, d)
+    end = _write_face(t, out, count, edge, x0, y0, z0, a, b, c, d)
+    for triangle in range(count, end):
+        out.edges[triangle] = np.int32(edge)
+    return end
 
 
 @kernel
-def write_faces(tables, bricks, out, ends):
-    """Write the triangles of bricks' edges into `out`, (n, 3) int32, anticlockwise from outside.
+def write_faces(tables, bricks, triangles):
+    """Write the triangles of bricks' edges, anticlockwise from outside.
 
-    `ends` (m,) int64 are where those of each brick end. Asks for merged components to be split where a triangle is
-    folded over.
+    Asks for merged components to be split where a triangle is folded over.
     """
-    t = open_faces(tables)
+    t, out = open_faces(tables), _open_triangles(triangles)
     count = np.int64(0)
     for number in range(len(bricks)):
         brick = bricks[number]
         x0, y0, z0 = place_of_brick(t, brick)
         first = t.nodes[brick]
         for edge in range(t.edge_starts[brick], t.edge_starts[brick + 1]):
+            _complete_ring(t, edge, first, x0, y0, z0)
             count = _write_edge(t, out, count, edge, first, x0, y0, z0)
-        ends[number] = count
+        out.ends[number] = count
+
+
+@device
+def _has_changed(t, edge, first):
+    """Whether the vertex of a component round an edge has changed."""
+    ring = t.rings[edge]
+    changed = t.changed[first + ring[0]] | t.changed[first + ring[1]]
+    return changed | t.changed[first + ring[2]] | t.changed[first + ring[3]] != 0
+
+
+@kernel
+def mend_faces(tables, bricks, before, triangles):
+    """Write the triangles of a brick's edges again where vertices have changed; others are those before.
+
+    Both are TRIANGLES, and `bricks` is (1,) int64.
+    """
+    t, old, out = open_faces(tables), _open_triangles(before), _open_triangles(triangles)
+    brick = bricks[0]
+    x0, y0, z0 = place_of_brick(t, brick)
+    first = t.nodes[brick]
+    count, at = np.int64(0), np.int64(0)
+    for edge in range(t.edge_starts[brick], t.edge_starts[brick + 1]):
+        has_changed = _has_changed(t, edge, first)
+        while at < old.edges.rows and old.edges[at] == edge:
+            if not has_changed:
+                for corner in range(3):
+                    out.vertices[count, corner] = old.vertices[at, corner]
+                out.edges[count] = np.int32(edge)
+                count += 1
+            at += 1
+        if has_changed:
+            count = _write_edge(t, out, count, edge, first, x0, y0, z0)
+    out.ends[0] = count
 
 
 @kernel

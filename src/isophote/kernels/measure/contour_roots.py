@@ -15,6 +15,7 @@ from isophote.kernels.base.simd import absolute, bits, load16, maximum, minimum,
 from isophote.kernels.forms.opcodes import INPUTS
 from isophote.kernels.forms.tape_gradient import GRADIENT_SLOT
 from isophote.kernels.measure.contour_tables import BLOCK, BLOCK_SAMPLES, CROSSING, POINTS, WIDTH
+from isophote.kernels.measure.contour_vertices import put_plane
 
 __all__ = ["find_roots"]
 
@@ -30,6 +31,7 @@ _SMALL = np.float32(1e-5)
 _INWARD = np.float32(2.0**-10)
 # The longest step of Newton's, in cells, from a place that a parabola gave.
 _LONGEST = np.float32(2.0**-13)
+_NOTHING = np.float64(0)
 _ZERO, _HALF, _ONE, _TINY = np.float32(0), np.float32(0.5), np.float32(1), np.float32(1e-30)
 
 
@@ -193,43 +195,53 @@ def _add_normals(grid, work, count, j):
 
 @device
 def _write(work, lane, crossing, x0, y0, z0):
-    """The place of a crossing in the brick, in cells, and the normal there."""
-    roots, start = work.roots, np.int64(work.starts[crossing])
-    axis = np.int64(start >= BLOCK_SAMPLES) + np.int64(start >= 2 * BLOCK_SAMPLES)
-    sample = start - axis * BLOCK_SAMPLES
-    row = sample // _SIDE
-    layer, at = row // _SIDE, crossing * CROSSING
-    work.crossings[at] = np.float32(x0 + sample - row * _SIDE)
-    work.crossings[at + 1] = np.float32(y0 + row - layer * _SIDE)
-    work.crossings[at + 2] = np.float32(z0 + layer)
-    work.crossings[at + axis] += roots[_T * _BATCH + lane]
-    work.crossings[at + 3] = roots[_NORMALS * _BATCH + lane]
-    work.crossings[at + 4] = roots[(_NORMALS + 1) * _BATCH + lane]
-    work.crossings[at + 5] = roots[(_NORMALS + 2) * _BATCH + lane]
+    """A crossing's place along its axis and its normal, and what its plane adds to an error function; whether it has a
+    normal."""
+    roots, corner = work.roots, np.int64(work.corners[crossing])
+    axis, t = corner >> 12, np.float64(roots[_T * _BATCH + lane])
+    u, v, w = (
+        roots[_NORMALS * _BATCH + lane],
+        roots[(_NORMALS + 1) * _BATCH + lane],
+        roots[(_NORMALS + 2) * _BATCH + lane],
+    )
+    x = np.float64(x0 + (corner & 15)) + (t if axis == 0 else _NOTHING)
+    y = np.float64(y0 + (corner >> 4 & 15)) + (t if axis == 1 else _NOTHING)
+    z = np.float64(z0 + (corner >> 8 & 15)) + (t if axis == 2 else _NOTHING)
+    at = CROSSING * crossing
+    work.crossings[at] = roots[_T * _BATCH + lane]
+    work.crossings[at + 1], work.crossings[at + 2], work.crossings[at + 3] = u, v, w
+    put_plane(work.planes[crossing], x, y, z, np.float64(u), np.float64(v), np.float64(w))
+    return u * u + v * v + w * w > _HALF
 
 
 @device
 def _find_batch(grid, work, count, begin, size, late, again, x0, y0, z0):
-    """Find the crossings of a batch; adds those that are not good to the list of the late ones, unless it is that."""
+    """Find the crossings of a batch; adds those that are not good to the list of the late ones, unless it is that.
+
+    Returns the length of the list, and whether all have normals.
+    """
     padded = (size + 15) // 16 * 16
     _load_edges(work, begin, size, padded)
     if again:
         _bracket(grid, work, count, padded)
     else:
         _interpolate(grid, work, count, padded)
+    known = True
     for j in range(0, padded, 16):
         good = _add_normals(grid, work, count, j)
         for lane in range(j, min(j + 16, size)):
             crossing = np.int64(work.pending[begin + lane])
-            _write(work, lane, crossing, x0, y0, z0)
+            known &= _write(work, lane, crossing, x0, y0, z0)
             if good >> np.int32(lane - j) & 1 == 0 and not again:
                 work.late[late] = np.int32(crossing)
                 late += 1
-    return late
+    return late, known
 
 
 @device
 def _find_chords(work, crossings, x0, y0, z0):
+    for row in range(_NORMALS * _BATCH, (_NORMALS + INPUTS) * _BATCH, 16):
+        store16(work.roots, row, splat16(_ZERO))
     for begin in range(0, crossings, _BATCH):
         size = min(np.int64(_BATCH), crossings - begin)
         padded = (size + 15) // 16 * 16
@@ -242,21 +254,26 @@ def _find_chords(work, crossings, x0, y0, z0):
 
 @device
 def find_roots(grid, work, count, crossings, x0, y0, z0):
-    """Places and normals of the crossings listed in `work.starts`; the block lies at (x0, y0, z0) in its brick.
+    """Places and normals of the crossings listed in `work.starts`, and what they add to error functions; the block lies
+    at (x0, y0, z0) in its brick. Returns whether some have no normal.
 
-    For surface nets places are those of linear interpolation, and normals are of no matter.
+    For surface nets places are those of linear interpolation, and normals are 0.
     """
     for crossing in range(crossings):
         work.pending[crossing] = np.int32(crossing)
     if grid.sharp == 0:
         _find_chords(work, crossings, x0, y0, z0)
-        return
+        return True
     late = np.int64(0)
+    all_known = True
     for begin in range(0, crossings, _BATCH):
         size = min(np.int64(_BATCH), crossings - begin)
-        late = _find_batch(grid, work, count, begin, size, late, False, x0, y0, z0)
+        late, known = _find_batch(grid, work, count, begin, size, late, False, x0, y0, z0)
+        all_known &= known
     for entry in range(late):
         work.pending[entry] = work.late[entry]
     for begin in range(0, late, _BATCH):
         size = min(np.int64(_BATCH), late - begin)
-        _find_batch(grid, work, count, begin, size, late, True, x0, y0, z0)
+        _, known = _find_batch(grid, work, count, begin, size, late, True, x0, y0, z0)
+        all_known &= known
+    return not all_known

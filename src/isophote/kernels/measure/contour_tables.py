@@ -11,6 +11,7 @@ from isophote.kernels.base.table import (
     BYTES,
     DOUBLE_BOXES,
     FLOAT,
+    FLOAT_ROWS,
     FLOATS,
     INT,
     INT_ROWS,
@@ -26,6 +27,7 @@ __all__ = [
     "CODE_BIT",
     "CONTOUR",
     "CROSSING",
+    "ELSEWHERE",
     "MOMENTS",
     "OUTPUT",
     "PADDING",
@@ -36,14 +38,16 @@ __all__ = [
 ]
 
 BLOCK, BRICK = 8, 32
+# Instead of a component that is yet to be looked for.
+ELSEWHERE = -(1 << 31)
 BLOCK_SAMPLES = 9**3
 # Points in a pass over a block, in vectors of sixteen, and all of a block's, rounded up to whole passes.
 WIDTH = 12
 POINTS = 768
-# Floats of a crossing: its place in the brick, in cells, and the unit normal there.
-CROSSING = 6
-# Numbers of an error function: matrix (6), right side (3), constant, sum of crossings (3), their number, one that is
-# always 0, and the number of crossings without a normal. Two vectors of eight doubles.
+# Floats of a crossing: how far along its edge it lies, in cells, and the unit normal there.
+CROSSING = 4
+# Numbers of an error function: matrix (6), right side (3), constant, sum of crossings (3), their number, and two zeros
+# to fill two vectors of eight doubles.
 MOMENTS = 16
 # Lanes beyond the last sample of an axis that may be read.
 PADDING = 16
@@ -104,12 +108,14 @@ WORK = Table(
     crossed_cells=INTS,
     crossing_of=INTS,
     starts=INTS,
+    # Where the edges crossed start in the block, x + 16 y + 256 z, and 4096 times their axis.
+    corners=INTS,
     # Crossings that are sought now, and those to be sought again.
     pending=INTS,
     late=INTS,
     roots=FLOATS,
-    # Crossings of a block: places and normals, what each adds to an error function, and the components of the four
-    # cells round its edge, or -1 for those in other blocks.
+    # Crossings of a block: CROSSING numbers, what each adds to an error function, and the components of the four cells
+    # round its edge, or ELSEWHERE for those in other blocks.
     crossings=FLOATS,
     planes=DOUBLE_BOXES,
     around=INTS,
@@ -139,25 +145,25 @@ WORK = Table(
 
 OUTPUT = Table(
     "ContourOutput",
-    # Cells that the surface crosses: code within the brick, case, first component.
+    # Cells that the surface crosses: code within the brick, case, first component, first edge. All numbers of edges and
+    # components are counted from the brick's first.
     codes=INTS,
     cases=INTS,
     firsts=INTS,
+    first_edges=INTS,
     # Edges that the surface crosses, those of each cell that start at its low corner: a word (see below); the
-    # components of the four cells round it, or -1 for those in other blocks; where it is crossed, in the brick; and the
-    # normal there, ten bits a coordinate.
+    # components of the four cells round it, or ELSEWHERE for those in other blocks; and CROSSING numbers.
     edges=INTS,
     rings=INT_ROWS,
-    crossings=FLOATS,
-    normals=INTS,
-    # Components, those of a brick's smallest cells first: what each was merged into, or -1, and in the end; the level
-    # of its cell; and the place of its vertex in cells of the grid.
+    crossings=FLOAT_ROWS,
+    # Components, those of a brick's smallest cells first: what each was merged into, or -1, and how far on that is in
+    # the end; the level of its cell; and the place of its vertex in cells of the grid, unless it is merged and one of
+    # the smallest.
     parents=INTS,
     roots=INTS,
     levels=BYTES,
     places=DOUBLE_BOXES,
-    # One row for each brick: where its cells, edges and components end, and how many cells have ambiguous faces. All
-    # numbers of components are counted from the brick's first.
+    # One row for each brick: where its cells, edges and components end, and how many cells have ambiguous faces.
     ends=INT_ROWS,
 )
 

@@ -8,10 +8,19 @@ from isophote.kernels.base.jit import device
 from isophote.kernels.measure.morton import unpacked
 from isophote.kernels.measure.qef import BOX_HIGH, BOX_LOW, MATRIX, RIGHT, SOLUTION
 
-__all__ = ["VERTICES", "load_error", "place_at_mean", "place_found", "square_error"]
+__all__ = ["VERTICES", "load_error", "place_at_mean", "place_found", "put_plane", "square_error"]
 
 # Functions solved at once.
 VERTICES = 16
+
+
+@device
+def put_plane(row, x, y, z, u, v, w):
+    """Write what the plane at a point with a normal (u, v, w) adds to an error function."""
+    d = u * x + v * y + w * z
+    row[0], row[1], row[2], row[3], row[4], row[5] = u * u, u * v, u * w, v * v, v * w, w * w
+    row[6], row[7], row[8], row[9] = u * d, v * d, w * d, d * d
+    row[10], row[11], row[12], row[13], row[14], row[15] = x, y, z, 1.0, 0.0, 0.0
 
 
 @device

@@ -26,8 +26,10 @@ QEF_WORDS = 288
 # Eigenvalues below this part of the largest are left out: normals that differ by less than some five degrees.
 _CUT = np.float32(2e-3)
 # How far outside its box, in cells, a point may lie by rounding; and if that makes the mean square distance from the
-# planes smaller by `_GAIN` square cells or more.
+# planes smaller by `_GAIN` square cells or more. Points that were brought there are that far out or, by `_ROUNDING`,
+# farther.
 _SLACK, _MARGIN, _GAIN = np.float32(1e-4), np.float32(1), np.float32(1e-4)
+_ROUNDING = np.float32(1e-4)
 # A little less than that, for the sum of the minors over the square of the trace.
 _FLAT = np.float32(0.98) * _CUT
 _ZERO, _HALF, _ONE = np.float32(0), np.float32(0.5), np.float32(1)
@@ -100,7 +102,8 @@ def _better(work, x, y, z, a, b, c):
     """The point (a, b, c) where it lies in its box, or near it and clearly better than (x, y, z); else the latter."""
     planes = load16(work, 0) + load16(work, 48) + load16(work, 80)
     clearly = _error(work, a, b, c) + planes * splat16(_GAIN) < _error(work, x, y, z)
-    take = _inside(work, a, b, c, _SLACK) | (_inside(work, a, b, c, _MARGIN) & clearly)
+    near, far = _inside(work, a, b, c, _SLACK + _ROUNDING), _inside(work, a, b, c, _MARGIN + _ROUNDING)
+    take = near | (far & clearly)
     return select(take, a, x), select(take, b, y), select(take, c, z)
 
 
