@@ -23,11 +23,14 @@ import isophote as iso
 from common import in_turns, print_machine, print_table, verdict
 from isophote.accel import field_tree
 from isophote.kernels.trace.path import path_trace_tile
-from isophote.kernels.trace.tables import FILM, PLAN
+from isophote.kernels.trace.tables import PLAN
 from isophote.kernels.trace.wave import new_wave
 from isophote.lower import scene as lowering
 from isophote.lower.field_table import scratch_words
 from isophote.lower.latest import Latest
+from isophote.rendering.film import Film
+from isophote.rendering.passes import PATTERNS
+from isophote.rendering.pixel_filter import as_pixel_filter, filter_table
 from isophote.shapes.field.tape import tape_of
 
 GOAL_PRUNING, GOAL_EDIT, GOAL_MESH = 50, 0.2, 0.3
@@ -131,18 +134,26 @@ def path_traced(shape: iso.Field | iso.Mesh, size: int = 256, samples: int = 16)
     scene = iso.Scene([iso.Item(shape, iso.Matte("white"))], lights=lights, camera=camera)
     forget()
     tables = lowering.lower_scene(scene, (size, size))
+    table = filter_table(as_pixel_filter("box"))
     plan = PLAN.pack(
-        width=size, height=size, samples=samples, seed=1, pattern=2, filter=0, max_depth=8, roulette_depth=3
-    )
-    film = FILM.pack(
-        total=np.zeros((size, 3 * size)), squares=np.zeros((size, 3 * size)), count=np.zeros((size, size), np.int64)
+        width=size,
+        height=size,
+        samples=samples,
+        seed=1,
+        pattern=PATTERNS["blue-noise"],
+        offsets=table.offsets,
+        crossings=table.crossings,
+        max_depth=8,
+        roulette_depth=3,
     )
     wave = new_wave(1040, scratch_words(tables.arrays["fields"]))
 
     def trace() -> None:
+        film = Film((size, size), table)
+        film.target[:] = samples
         for y in range(0, size, 32):
             for x in range(0, size, 32):
-                path_trace_tile(tables.words, plan.words, film.words, wave.words, x, x + 32, y, y + 32, 0, samples)
+                path_trace_tile(tables.words, plan.words, film.words, wave.words, x, x + 32, y, y + 32)
 
     return trace
 

@@ -10,14 +10,15 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from isophote.kernels.accel.field_build import AMBIGUOUS, PARENT, split_regions
-from isophote.kernels.accel.field_layout import CHILDREN, FIRST_TAPE, NODE
+from isophote.kernels.accel.field_build import AMBIGUOUS, PARENT, open_cells, split_regions
+from isophote.kernels.accel.field_layout import CHILDREN, EMPTY, FIRST_TAPE, NODE
 from isophote.kernels.forms.opcodes import INPUTS, ROW
 from isophote.kernels.forms.tape_interval import REGION_SLOT
 
 __all__ = ["FieldTree", "build_field_tree", "warm_field_trees"]
 
 Ints: TypeAlias = npt.NDArray[np.int32]
+Longs: TypeAlias = npt.NDArray[np.int64]
 Floats: TypeAlias = npt.NDArray[np.float32]
 
 # A region is split while its tape is longer than this and the tree is not deeper than so many levels of nodes.
@@ -32,6 +33,8 @@ _JOB_ROWS = 1 << 18
 # Empty regions get tapes of their own, too, for rays that ask for values there, where these have no more rows than
 # this; otherwise they keep their parent's.
 _EVERY_ROWS = 1 << 21
+# Regions that stay whole are looked at in cells where their tapes have no more rows than this together.
+_FINE_ROWS = 1 << 19
 # What is proven of a region holds this far beyond it, in parts of the largest coordinate: more than the rounding of
 # positions and of the walk through the regions.
 _MARGIN = 2.0**-19
@@ -39,10 +42,11 @@ _MARGIN = 2.0**-19
 
 class FieldTree(NamedTuple):
     """`root` code, `nodes` and `tapes` of one field, with `rows` (n, ROW); `tapes[0]` is the whole field's; `levels` of
-    nodes. Node 0 is none."""
+    nodes. Node 0 is none; `finer[0]` is that of the root."""
 
     root: int
     nodes: Ints
+    finer: Longs
     tapes: Ints
     rows: Ints
     levels: int
@@ -96,9 +100,7 @@ class _Store:
         return self._tables[0]
 
 
-def build_field_tree(
-    rows: Ints, data: npt.NDArray[np.int64], low: Floats, side: float, threads: int | None = None
-) -> FieldTree:
+def build_field_tree(rows: Ints, data: Longs, low: Floats, side: float, threads: int | None = None) -> FieldTree:
     """The tree over the cube from `low`, (3,) float32, of edge length `side`, for a tape's `rows` (n, ROW).
 
     The tape's Lipschitz constants must hold in the cube and a little beyond. `data` are the words of its tables. The
@@ -106,28 +108,64 @@ def build_field_tree(
     regions stay larger and tapes longer.
     """
     store = _Store(rows)
-    unused = np.zeros((1, NODE), np.int32)
-    if len(rows) <= _SHORT:
-        return FieldTree(FIRST_TAPE, unused.reshape(-1), store.all_tapes(), rows, 0)
     reach = float(max(np.abs(low).max(), np.abs(low.astype(np.float64) + side).max()))
+    margin = np.float32(_MARGIN * reach)
     level = _Level(np.zeros(1, np.int32), np.zeros((1, 3), np.int32))
-    nodes = [unused]
+    unused, first = np.zeros((1, NODE), np.int32), np.zeros((1, CHILDREN), np.int64)
+    nodes, finer = [unused], [first]
     first_node, depth = 1, 0
     with ThreadPoolExecutor(threads or _processors()) as executor:
+        if len(rows) <= _SHORT:
+            first[0, 0] = _open_cells(executor, store, data, level, (low, np.float32(side / 4), margin))[0]
+            return FieldTree(FIRST_TAPE, unused.reshape(-1), first.reshape(-1), store.all_tapes(), rows, 0)
+        above, at = first, np.array([0])
         while len(level.tapes):
             width = np.float32(side / 4 ** (depth + 1))
             every = CHILDREN * int(store.all_tapes()[level.tapes, 1].sum()) <= _EVERY_ROWS and depth < _LEVELS - 1
-            frame = (low, width, np.float32(_MARGIN * reach), every)
-            codes, tapes = _split_level(executor, store, data, level, frame)
+            codes, tapes = _split_level(executor, store, data, level, (low, width, margin, every))
             depth += 1
             first_node += len(level.tapes)
             chosen = _chosen(store, codes, tapes, depth, first_node)
+            kept = _children(level, tapes, (codes == AMBIGUOUS) & ~chosen)
+            cells = np.zeros((len(codes), CHILDREN), np.int64)
+            cells[(codes == AMBIGUOUS) & ~chosen] = _open_cells(
+                executor, store, data, kept, (low, np.float32(width / 4), margin)
+            )
+            above.reshape(-1)[at] = _bits(codes != EMPTY)
+            above, at = cells, np.flatnonzero(chosen)
             following = _children(level, tapes, chosen)
             node_codes = np.where(codes == AMBIGUOUS, FIRST_TAPE - tapes, codes)
             node_codes[chosen] = first_node + np.arange(len(following.tapes))
             nodes.append(np.concatenate([node_codes, tapes], axis=1).astype(np.int32))
+            finer.append(cells)
             level = following
-    return FieldTree(1, np.concatenate(nodes).reshape(-1), store.all_tapes(), store.all_rows(), depth)
+    return FieldTree(
+        1, np.concatenate(nodes).reshape(-1), np.concatenate(finer).reshape(-1), store.all_tapes(), store.all_rows(),
+        depth
+    )  # fmt: skip
+
+
+def _bits(cells: npt.NDArray[np.bool_]) -> Longs:
+    """(n, 64) truth values as bits of n numbers."""
+    return np.packbits(cells, axis=1, bitorder="little").view("<i8").reshape(-1).astype(np.int64, copy=False)
+
+
+def _open_cells(
+    executor: ThreadPoolExecutor, store: _Store, data: Longs, regions: _Level, frame: tuple[Any, ...]
+) -> Longs:
+    """`finer` of regions that stay whole; `frame`: the tree's corner, the width of a cell, and the margin."""
+    rows, tapes = store.all_rows().reshape(-1), np.ascontiguousarray(store.all_tapes()[regions.tapes])
+    cells = np.full(len(tapes), -1, np.int64)
+    if int(tapes[:, 1].sum()) > _FINE_ROWS:
+        return cells
+    longest = int(tapes[:, 1].max(initial=0))
+
+    def look(job: tuple[int, int]) -> None:
+        slots, choices = np.zeros((INPUTS + longest) * REGION_SLOT, np.float32), np.zeros(longest + 1, np.int32)
+        open_cells(rows, data, tapes, regions.places, *frame, *job, cells, slots, choices)
+
+    list(executor.map(look, _jobs(tapes[:, 1])))
+    return cells
 
 
 def warm_field_trees() -> None:
@@ -154,7 +192,7 @@ def _children(level: _Level, tapes: Ints, chosen: npt.NDArray[np.bool_]) -> _Lev
 
 
 def _split_level(
-    executor: ThreadPoolExecutor, store: _Store, data: npt.NDArray[np.int64], level: _Level, frame: tuple[Any, ...]
+    executor: ThreadPoolExecutor, store: _Store, data: Longs, level: _Level, frame: tuple[Any, ...]
 ) -> tuple[Ints, Ints]:
     """States of all children of a level's regions, (n, 64), and the numbers of their tapes."""
     rows = store.all_rows().reshape(-1)
@@ -189,7 +227,7 @@ def _jobs(lengths: Ints) -> Iterator[tuple[int, int]]:
 
 def _split(
     rows: Ints,
-    data: npt.NDArray[np.int64],
+    data: Longs,
     tapes: Ints,
     places: Ints,
     frame: tuple[Any, ...],

@@ -114,7 +114,8 @@ def _finite_box(part: FieldPart, around: Matrix) -> Matrix:
 def _packed(parts: Sequence[FieldPart], found: Sequence[_Lowered], surface: int, entries: tuple[int, int]) -> Packed:
     """All fields in one table; fields that share a tree have it once."""
     rows, tapes, nodes = [np.zeros(0, np.int32)], [np.zeros((0, 2), np.int32)], [np.zeros(0, np.int32)]
-    numbers, cubes = np.zeros((len(parts), 4), np.int32), np.zeros((len(parts), 17), np.float32)
+    finer = [np.zeros(0, np.int64)]
+    numbers, cubes = np.zeros((len(parts), 5), np.int32), np.zeros((len(parts), 17), np.float32)
     starts: dict[int, tuple[int, int]] = {}
     row, tape, node, longest = 0, 0, 0, 0
     for k, (part, one) in enumerate(zip(parts, found, strict=True)):
@@ -124,11 +125,12 @@ def _packed(parts: Sequence[FieldPart], found: Sequence[_Lowered], surface: int,
             rows.append(tree.rows.reshape(-1))
             tapes.append(tree.tapes + np.array([row, 0], np.int32))
             nodes.append(_moved(tree.nodes, node, tape))
+            finer.append(tree.finer)
             row, tape, node = row + len(tree.rows), tape + len(tree.tapes), node + len(tree.nodes) // NODE
             longest = max(longest, int(tree.tapes[:, 1].max()))
         first_node, first_tape = starts[id(tree)]
         root = first_node + tree.root if tree.root > 0 else tree.root - first_tape
-        numbers[k] = root, tree.levels, first_tape, surface + k
+        numbers[k] = root, tree.levels, first_tape, surface + k, first_node
         reach = max(float(np.abs(one.low).max()), float(np.abs(one.low + one.side).max()))
         stretch = float(np.abs(part.matrix[:3, :3]).sum(axis=1).max())
         cubes[k, :BALL] = *one.low, one.side, *one.clip[0], *one.clip[1], stretch, _LEAST_STEP * reach, one.detail
@@ -141,6 +143,7 @@ def _packed(parts: Sequence[FieldPart], found: Sequence[_Lowered], surface: int,
         rows=np.concatenate(rows),
         tapes=np.concatenate(tapes),
         nodes=np.concatenate(nodes),
+        finer=np.concatenate(finer),
         numbers=numbers,
         cubes=cubes,
         to_object=np.array([np.linalg.inv(part.matrix)[:3].reshape(-1) for part in parts]).reshape(-1, 12),

@@ -12,14 +12,14 @@ from isophote.kernels.forms.field_data import open_field_data
 from isophote.kernels.forms.tape_interval import REGION_HIGH, REGION_MIDDLE, REGION_SLOT, run_intervals
 from isophote.kernels.forms.tape_prune import shorten
 
-__all__ = ["AMBIGUOUS", "PARENT", "split_regions"]
+__all__ = ["AMBIGUOUS", "PARENT", "open_cells", "split_regions"]
 
 # States of a child beyond EMPTY and INSIDE, and the number that stands for the tape of the region that was split.
 AMBIGUOUS = 1
 PARENT = -1
 
 _ROW = np.int64(op.ROW)
-_LAYER = 16
+_LAYER, _ALL = 16, np.int32(0xFFFF)
 _ZERO, _HALF = np.float32(0), np.float32(0.5)
 # A tape is only written anew where it loses one row in so many.
 _WORTH = 8
@@ -119,3 +119,22 @@ def split_regions(
                     count_out += 1
                 child_tapes[i, child] = number
     return written, count_out
+
+
+@kernel
+def open_cells(rows, data, tapes, places, low, width, margin, first, last, cells, slots, choices):
+    """Set `cells` (n,) to those of the 4 × 4 × 4 cells of the regions `first` ≤ i < `last`, as bits, in which it is not
+    proven that the field is above zero. Arguments are as those of `split_regions`."""
+    tables = open_field_data(data)
+    for i in range(first, last):
+        start, count = np.int64(tapes[i, 0]), np.int64(tapes[i, 1])
+        x = low[0] + np.float32(4 * places[i, 0]) * width
+        y = low[1] + np.float32(4 * places[i, 1]) * width
+        found = np.int64(0)
+        for layer in range(4):
+            z = low[2] + np.float32(4 * places[i, 2] + layer) * width
+            _load_layer(slots, x, y, z, width, margin)
+            run_intervals(rows, start, count, tables, slots, choices)
+            empty = bits(load16(slots, (np.int64(op.INPUTS) - 1 + count) * REGION_SLOT) > splat16(_ZERO))
+            found |= np.int64(empty ^ _ALL) << (layer * _LAYER)
+        cells[i] = found

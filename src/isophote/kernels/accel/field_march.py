@@ -15,13 +15,13 @@ import numpy as np
 from isophote.kernels.accel import field_layout as layout
 from isophote.kernels.base.entry import floats_at
 from isophote.kernels.base.jit import device
+from isophote.kernels.base.long_words import load_long, lowest_bit, store_long
 from isophote.kernels.base.simd import (
     absolute,
     bits,
     load16,
     load_float,
     load_int,
-    lowest_bit,
     maximum,
     minimum,
     splat16,
@@ -40,10 +40,8 @@ _WORD, _LINE, _SLOT, _INPUTS = (np.int64(n) for n in (4, layout.LINE, layout.SLO
 _ZERO, _HALF, _ONE = np.float32(0), np.float32(0.5), np.float32(1)
 _FAR = np.float32(np.inf)
 
-# Points of a pass, in four vectors. Point i is lane i // 4 of vector i % 4, so that its neighbour lies beside it in the
-# next vector.
-_VECTORS, _LANES, _POINTS = np.int64(4), np.int64(16), np.int64(64)
-_LAST = np.int64(63)
+# Points of a pass, in four vectors; the last of them begins at _TAIL. Gap k lies between points k and k + 1.
+_VECTORS, _LANES, _POINTS, _TAIL, _LAST = (np.int64(n) for n in (4, 16, 64, 48, 63))
 
 
 def _spacings() -> np.ndarray:
@@ -53,8 +51,7 @@ def _spacings() -> np.ndarray:
     for power in range(1, 31):
         ratio = (1 + 2.0**power) ** (1 / 63)
         rows.append((ratio**number - 1) / (ratio**63 - 1))
-    by_lane = np.array(rows).reshape(-1, 16, 4).transpose(0, 2, 1)
-    return np.ascontiguousarray(by_lane, np.float32).reshape(-1)
+    return np.array(rows, np.float32).reshape(-1)
 
 
 _SPACINGS = _spacings()
@@ -63,25 +60,32 @@ _MANTISSA, _BIAS = np.int64(23), np.int64(127)
 
 # Gaps are proven with this much to spare, for the rounding of positions.
 _SPARE = np.float32(1 + 2.0**-10)
-# Where a ray starts within a region, it usually leaves a surface: how near its first points lie, in parts of the
-# details' size.
-_NEAR = np.float32(2.0**-16)
+# Where a ray starts within a region, it usually leaves a surface: how near its first points lie, in steps that
+# positions can tell apart.
+_NEAR = np.float32(8)
 # A crossing is looked at closer until its gap is so short in parts of the details' size; a line finds it there.
 _CLOSE = np.float32(2.0**-13)
-# A line finds a crossing to this part of the details' size, where two gaps in turn that are not longer than the other
-# part say so.
-_STRAIGHT, _SHORT = np.float32(2.0**-18), np.float32(2.0**-10)
+# A line finds a crossing to this part of the details' size, where three gaps in turn that are not longer than the
+# other part say so.
+_STRAIGHT, _SHORT = np.float32(2.0**-18), np.float32(2.0**-7)
+# Two bends are those of one smooth curve if their difference is not more than so much of their sum. Two of Newton's
+# steps bring the crossing from the line onto the curve.
+_ALIKE, _NEWTON_STEPS = np.float32(0.5), np.int64(2)
 # Looks after which a ray that still cannot be told from the surface has met it.
 _PASSES = np.int64(1024)
 _STRETCH, _GROWTH = np.float32(1 / 16), np.float32(16)
 # Half the precision of positions, by which boxes around stretches are widened.
 _SLACK = np.float32(2.0**-22)
-_LOWEST, _ALL, _ALL_BUT_LAST = np.int32(1), np.int32(0xFFFF), np.int32(0x7FFF)
-# Looks at a gap of the last look stand behind it in the scratch, with the number of the next gap to go through and how
-# many could not be proven; beyond the deepest intervals are asked.
-_NEXT, _FAILED, _LEVEL = np.int64(layout.LOOK), np.int64(layout.LOOK + 1), np.int64(layout.LOOK + 16)
+_LOWEST, _ALL = np.int32(1), np.int32(0xFFFF)
+_NO_GAP, _GAP, _GAPS = np.int64(0), np.int64(1), np.int64((1 << 63) - 1)
+# Looks at gaps of the last look stand behind it in the scratch. Each has, as bits, the gaps that are not clear and have
+# yet to be gone through, and those at whose end the sign has changed; and how many times gaps could not be proven.
+# Beyond the deepest look intervals are asked.
+_UNCLEAR, _CROSSED, _FAILED, _LEVEL = (np.int64(layout.LOOK + n) for n in (0, 2, 4, 16))
 _DEEPEST = _LEVEL * (layout.LOOKS - 1)
-# Gaps of a look that may fail before intervals are asked about the rest.
+# Neighbouring gaps that are not clear are looked at together, up to so many.
+_TOGETHER = np.int64(16)
+# Closer looks that a look may need before intervals are asked about the rest.
 _PATIENCE = np.int32(4)
 # The value stands in slot _RESULT + rows of the tape.
 _RESULT = np.int64(op.INPUTS - 1)
@@ -128,12 +132,12 @@ def slots_at(fields, scratch):
 @device
 def tape_at(fields, root, number):
     """The `Tape` of this number, of the field whose whole tape is `root`."""
-    slope = min(_slope(fields, root), _slope(fields, number))
+    slope = min(_steepness(fields, root), _steepness(fields, number))
     return Tape(np.int64(fields.tapes[number, 0]), np.int64(fields.tapes[number, 1]), slope)
 
 
 @device
-def _slope(fields, number):
+def _steepness(fields, number):
     """The Lipschitz constant that the last row of a tape tells."""
     first, count = np.int64(fields.tapes[number, 0]), np.int64(fields.tapes[number, 1])
     # Without rows the field is a coordinate of the point.
@@ -161,8 +165,9 @@ def _row_of_spacings(span, near, places, base):
 
 
 @device
-def _look(fields, data, tape, line, start, end, near, slots, places, base):
-    """Run the tape at 64 points from `start` to `end`, whose places and values are left in `places` from `base` on."""
+def _look(fields, data, tape, line, start, end, near, sign, slots, places, base):
+    """Run the tape at 64 points from `start` to `end`, whose places and values are left in `places` from `base` on,
+    with the gaps that are not clear. Returns the sign, which is taken from the first value if it is 0."""
     span = end - start
     row = _row_of_spacings(span, near, places, base) * _POINTS
     for v in range(0, _POINTS, _LANES):
@@ -173,58 +178,29 @@ def _look(fields, data, tape, line, start, end, near, slots, places, base):
         store16(slots, 2 * _POINTS + v, splat16(line.z) + at * splat16(line.dz))
     values_on(fields.interpreters, fields.rows, tape.first, tape.length, data, slots, _VECTORS)
     result = (_RESULT + tape.length) * _POINTS
+    if sign == _ZERO:
+        sign = -_ONE if load_float(slots, result) < _ZERO else _ONE
+    _keep_gaps(tape, sign, slots, result, places, base)
+    return sign
+
+
+@device
+def _keep_gaps(tape, sign, slots, result, places, base):
+    """Keep the values of a look, and its gaps: a gap is clear if the sign is the same at both ends and the Lipschitz
+    constant leaves no room for another between."""
+    slope = _SPARE * tape.lipschitz if tape.lipschitz < _FAR else -_FAR
+    crossed, clear = _NO_GAP, _NO_GAP
     for v in range(0, _POINTS, _LANES):
-        store16(places, base + _POINTS + v, load16(slots, result + v))
-    store_int(places, base + _NEXT, np.int32(0))
+        following = min(v + _LANES, _TAIL)
+        at, value = load16(places, base + v), load16(slots, result + v)
+        to = following_lanes(at, load16(places, base + following))
+        there = following_lanes(value, load16(slots, result + following)) * splat16(sign)
+        crossed |= np.int64(bits(there <= splat16(_ZERO))) << v
+        clear |= np.int64(bits(value * splat16(sign) + there > (to - at) * splat16(slope))) << v
+        store16(places, base + _POINTS + v, value)
+    store_long(places, base + _UNCLEAR, (~clear | crossed) & _GAPS)
+    store_long(places, base + _CROSSED, crossed)
     store_int(places, base + _FAILED, np.int32(0))
-
-
-@device
-def _gaps(places, base, v, sign, slope, begin):
-    """Gaps from number `begin` on that begin at the points of vector `v`: bits of those at whose end the sign has
-    changed, and of those that are not proven clear."""
-    at, value = load16(places, base + v * _LANES), load16(places, base + _POINTS + v * _LANES)
-    if v < _VECTORS - 1:
-        following = base + (v + 1) * _LANES
-        to, there = load16(places, following), load16(places, _POINTS + following)
-    else:
-        to, there = following_lanes(load16(places, base)), following_lanes(load16(places, base + _POINTS))
-    there = there * splat16(sign)
-    crossed = bits(there <= splat16(_ZERO))
-    proven = bits(value * splat16(sign) + there > (to - at) * splat16(slope))
-    # Behind the last point there is no gap.
-    wanted = (_ALL << np.int32((begin - v + _VECTORS - 1) // _VECTORS)) & (_ALL if v < _VECTORS - 1 else _ALL_BUT_LAST)
-    return crossed & wanted, (proven ^ _ALL) & wanted
-
-
-@device
-def _point(k):
-    """Where point `k` stands in a row of 64."""
-    return (k & (_VECTORS - 1)) * _LANES + k // _VECTORS
-
-
-@device
-def _first_event(places, base, sign, slope):
-    """(number of the first gap that is not clear, of those not yet gone through, whether the sign changes there);
-    number _LAST where all are."""
-    begin = np.int64(load_int(places, base + _NEXT))
-    crossed0, unclear0 = _gaps(places, base, np.int64(0), sign, slope, begin)
-    crossed1, unclear1 = _gaps(places, base, np.int64(1), sign, slope, begin)
-    crossed2, unclear2 = _gaps(places, base, np.int64(2), sign, slope, begin)
-    crossed3, unclear3 = _gaps(places, base, np.int64(3), sign, slope, begin)
-    event0, event1, event2, event3 = crossed0 | unclear0, crossed1 | unclear1, crossed2 | unclear2, crossed3 | unclear3
-    event = event0 | event1 | event2 | event3
-    if event == 0:
-        return _LAST, False
-    lane = lowest_bit(event)
-    first = _VECTORS * np.int64(lane)
-    if (event0 >> lane) & _LOWEST:
-        return first, ((crossed0 >> lane) & _LOWEST) != 0
-    if (event1 >> lane) & _LOWEST:
-        return first + 1, ((crossed1 >> lane) & _LOWEST) != 0
-    if (event2 >> lane) & _LOWEST:
-        return first + 2, ((crossed2 >> lane) & _LOWEST) != 0
-    return first + 3, ((crossed3 >> lane) & _LOWEST) != 0
 
 
 @device
@@ -257,7 +233,7 @@ def _search(fields, data, tape, line, start, end, sign, slots, choices):
         if unclear == 0:
             at, reach = reach, min(end, reach + (reach - at) * _GROWTH)
         else:
-            k = lowest_bit(unclear)
+            k = lowest_bit(np.int64(unclear))
             at = at + np.float32(k) * width
             if (crossed >> k) & _LOWEST:
                 return True, at, at + width * _HALF
@@ -273,41 +249,65 @@ def _search(fields, data, tape, line, start, end, sign, slots, choices):
 @device
 def _proven_ahead(fields, data, tape, line, k, sign, slots, places, base, choices):
     """The first gap from number `k` on that intervals over the rest of a look do not prove clear."""
-    at, end = load_float(places, base + _point(k)), load_float(places, base + _point(_LAST))
+    at, end = load_float(places, base + k), load_float(places, base + _LAST)
     unclear, _ = _look_at_stretches(fields, data, tape, line, at, end, sign, slots, choices)
     if unclear == 0:
         return _LAST
-    reach = at + np.float32(lowest_bit(unclear)) * ((end - at) * _STRETCH)
-    while k < _LAST and load_float(places, base + _point(k + 1)) <= reach:
+    reach = at + np.float32(lowest_bit(np.int64(unclear))) * ((end - at) * _STRETCH)
+    while k < _LAST and load_float(places, base + k + 1) <= reach:
         k += 1
     return k
 
 
 @device
-def _nearness(places, base, k, lipschitz, far):
-    """How near the surface is known to lie where gap `k` begins, if the ray goes away from it there; else `far`."""
-    a, b = abs(load_float(places, base + _POINTS + _point(k))), abs(load_float(places, base + _POINTS + _point(k + 1)))
+def _nearness(places, base, k, end, lipschitz, far):
+    """How near the surface is known to lie at point `k`, if the ray goes away from it up to point `end`; else `far`."""
+    a, b = abs(load_float(places, base + _POINTS + k)), abs(load_float(places, base + _POINTS + end))
     return a / lipschitz if b > a else far
 
 
 @device
-def _straight(places, base, k, detail):
-    """Whether gap `k` and the one before it have so nearly one slope that a line finds the crossing between them."""
-    if k == 0 or load_float(places, base + _point(k + 1)) - load_float(places, base + _point(k)) > _SHORT * detail:
-        return False
-    x0, x1, x2 = (
-        load_float(places, base + _point(k - 1)),
-        load_float(places, base + _point(k)),
-        load_float(places, base + _point(k + 1)),
-    )
-    a, b, c = (
-        load_float(places, base + _POINTS + _point(k - 1)),
-        load_float(places, base + _POINTS + _point(k)),
-        load_float(places, base + _POINTS + _point(k + 1)),
-    )
-    before, slope = (b - a) / (x1 - x0), (c - b) / (x2 - x1)
-    # The line is off by the bend times the gap, over eight slopes, or by a kink's whole bend.
-    return abs(slope - before) * (x2 - x1) <= _STRAIGHT * detail * abs(slope)
+def _together(unclear, crossed, k):
+    """The point at which gaps end that are to be looked at with gap `k`: a crossing is looked at by itself."""
+    if (crossed >> k) & _GAP:
+        return k + 1
+    return k + min(lowest_bit(~((unclear & ~crossed) >> k)), _TOGETHER)
+
+
+@device
+def _slope(places, base, k):
+    """The slope of the values between the ends of gap `k`."""
+    rise = load_float(places, base + _POINTS + k + 1) - load_float(places, base + _POINTS + k)
+    return rise / (load_float(places, base + k + 1) - load_float(places, base + k))
+
+
+@device
+def _root(places, base, k, detail):
+    """(place in gap `k` at which the values cross zero, whether it is known so well that no closer look is needed).
+
+    It lies on the line through the values at both ends, or on a parabola where the gaps beside it bend alike.
+    """
+    at, to = load_float(places, base + k), load_float(places, base + k + 1)
+    a, b = load_float(places, base + _POINTS + k), load_float(places, base + _POINTS + k + 1)
+    width, slope = to - at, (b - a) / (to - at)
+    place = at + width * (a / (a - b))
+    if k == 0 or k == _LAST - 1:
+        return place, False
+    to_before = to - load_float(places, base + k - 1)
+    to_behind = load_float(places, base + k + 2) - at
+    before, behind = slope - _slope(places, base, k - 1), _slope(places, base, k + 1) - slope
+    bend = max(abs(before), abs(behind))
+    # A line would be off by the bend times the gap, over eight slopes, or by a kink's whole bend.
+    known = width <= _SHORT * detail and bend * width <= _STRAIGHT * detail * abs(slope)
+    before, behind = before / to_before, behind / to_behind
+    if abs(behind - before) < _ALIKE * abs(behind + before):
+        curve = (before + behind) * _HALF
+        for _ in range(_NEWTON_STEPS):
+            off = slope + curve * ((place - at) + (place - to))
+            place -= ((place - at) * slope + a + curve * (place - at) * (place - to)) / off
+        # Where positions cannot tell points apart, slopes are no numbers.
+        place = place if at <= place <= to else at + width * (a / (a - b))
+    return place, known
 
 
 @device
@@ -317,47 +317,46 @@ def first_crossing(fields, data, tape, line, start, end, sign, leaves, any_hit, 
     `leaves` tells that a ray begins here. Returns (sign, whether there is such a place, place); with `any_hit` the
     place is only near. `slots`, `places` and `choices` are scratch.
     """
-    slope = _SPARE * tape.lipschitz
     close = max(line.detail * _CLOSE, _GROWTH * line.least)
     base = np.int64(0)
-    _look(fields, data, tape, line, start, end, line.detail * _NEAR if leaves else end, slots, places, base)
-    if sign == _ZERO:
-        sign = -_ONE if load_float(places, _POINTS) < _ZERO else _ONE
+    sign = _look(fields, data, tape, line, start, end, _NEAR * line.least if leaves else end, sign, slots, places, base)
     if not tape.lipschitz < _FAR:
         # Only intervals prove anything.
         found, at, to = _search(fields, data, tape, line, start, end, sign, slots, choices)
         if not found or any_hit:
             return sign, found, at
-        _look(fields, data, tape, line, at, to, to, slots, places, base)
-        slope = -_FAR
+        _look(fields, data, tape, line, at, to, to, sign, slots, places, base)
     for _ in range(_PASSES):
         # A change of sign just where a look begins lies behind what was proven before it.
         if load_float(places, base + _POINTS) * sign <= _ZERO:
             return sign, True, load_float(places, base)
-        k, crosses = _first_event(places, base, sign, slope)
-        if k == _LAST:
+        unclear, crossed = load_long(places, base + _UNCLEAR), load_long(places, base + _CROSSED)
+        if unclear == _NO_GAP:
             if base == 0:
                 return sign, False, end
             base -= _LEVEL
             continue
-        at, to = load_float(places, base + _point(k)), load_float(places, base + _point(k + 1))
-        if crosses and (any_hit or to - at <= close or base == _DEEPEST or _straight(places, base, k, line.detail)):
-            a, b = load_float(places, base + _POINTS + _point(k)), load_float(places, base + _POINTS + _point(k + 1))
-            # The line through both values.
-            return sign, True, at + (to - at) * (a / (a - b))
+        k = lowest_bit(unclear)
+        at, to = load_float(places, base + k), load_float(places, base + k + 1)
+        if (crossed >> k) & _GAP:
+            place, known = _root(places, base, k, line.detail)
+            if known or any_hit or to - at <= close or base == _DEEPEST:
+                return sign, True, place
+        last = _together(unclear, crossed, k)
         failed = load_int(places, base + _FAILED) + np.int32(1)
         store_int(places, base + _FAILED, failed)
-        if failed > _PATIENCE:
+        if failed > _PATIENCE or last - k == _TOGETHER:
             # Along a flat face distances prove little, and intervals much.
             ahead = _proven_ahead(fields, data, tape, line, k, sign, slots, places, base, choices)
             if ahead > k:
-                store_int(places, base + _NEXT, np.int32(ahead))
+                store_long(places, base + _UNCLEAR, unclear & (_GAPS << ahead))
                 continue
-        store_int(places, base + _NEXT, np.int32(k + 1))
+        to = load_float(places, base + last)
+        store_long(places, base + _UNCLEAR, unclear & (_GAPS << last))
         if base < _DEEPEST:
-            near = _nearness(places, base, k, tape.lipschitz, to)
+            near = _nearness(places, base, k, last, tape.lipschitz, to)
             base += _LEVEL
-            _look(fields, data, tape, line, at, to, near, slots, places, base)
+            _look(fields, data, tape, line, at, to, near, sign, slots, places, base)
         else:
             found, at, to = _search(fields, data, tape, line, at, to, sign, slots, choices)
             if found:

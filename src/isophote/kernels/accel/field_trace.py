@@ -13,13 +13,15 @@ from typing import NamedTuple
 import numpy as np
 
 from isophote.kernels.accel import field_layout as layout
-from isophote.kernels.accel.field_layout import EMPTY, FIELDS, INSIDE, NODE
+from isophote.kernels.accel.field_cells import cells_met, mirrored
+from isophote.kernels.accel.field_layout import CHILDREN, FIELDS, FIRST_TAPE, INSIDE, NODE
 from isophote.kernels.accel.field_march import Line, affine_doubles, first_crossing, slots_at, tape_at
 from isophote.kernels.accel.geometry import push_boxes
 from isophote.kernels.accel.layout import STACK
 from isophote.kernels.base.entry import entry, floats_at, ints_at, opener_at
 from isophote.kernels.base.jit import device
-from isophote.kernels.base.simd import load_float, load_int
+from isophote.kernels.base.long_words import highest_bit, load_long, lowest_bit, store_long
+from isophote.kernels.base.simd import load_float, load_int, store_float, store_int
 from isophote.kernels.base.vec import dot, vec3
 from isophote.kernels.forms.field_data import open_field_data
 
@@ -27,8 +29,13 @@ __all__ = ["trace_field"]
 
 _ZERO, _ONE = np.float32(0), np.float32(1)
 _NOTHING, _DOUBLE_ONE = 0.0, 1.0
-_TINY = np.float32(1e-12)
-_FAR = np.float32(np.inf)
+_QUARTER, _FOUR = np.float32(0.25), np.float32(4)
+# Rays that move less than this along an axis stay where they are on it.
+_TINY = np.float32(1e-30)
+# Axes as `mirrored` knows them.
+_NO_AXIS, _X, _Y, _Z = np.int64(0), np.int64(3), np.int64(12), np.int64(48)
+# Words of a level: its cells, and behind them the node.
+_LEAVES, _KEPT, _LEVEL_WORDS = (np.int64(n) for n in (layout.LEAVES_AT, layout.KEPT_AT, layout.LEVEL_WORDS))
 _BALL_SLACK = np.float32(1 - 2.0**-18)
 _NONE, _WORD = np.int64(-1), np.int64(4)
 
@@ -36,20 +43,18 @@ open_fields_at = opener_at(FIELDS)
 
 
 class Walk(NamedTuple):
-    """A ray as it goes through a field: its `Line` from where it enters; the least corner of the finest regions in
-    units of their width and how the ray moves in these units, with its reciprocals; t where it enters, and t a
-    length."""
+    """A ray as it goes through a field: its `Line` from where it enters; where that is in units of the finest regions'
+    width, mirrored so that the ray goes up, and the reciprocals of how it moves in these units; how numbers of
+    children are mirrored; t where it enters, and t a length; the length to where it leaves."""
 
     line: object
     x: float
     y: float
     z: float
-    dx: float
-    dy: float
-    dz: float
     ix: float
     iy: float
     iz: float
+    mirror: int
     enter: float
     scale: float
     end: float
@@ -67,9 +72,9 @@ def _clip(low, high, o, d, near, far):
 
 
 @device
-def _reciprocal(d):
-    """1/d, or 0 for rays that run along the faces."""
-    return _ONE / d if abs(d) > _TINY else _ZERO
+def _upward(place, move, size):
+    """(place, reciprocal of the movement) along one axis, mirrored between 0 and `size` if the ray goes down."""
+    return (size - place if move < _ZERO else place), _ONE / max(abs(move), _TINY)
 
 
 @device
@@ -89,20 +94,21 @@ def _enter(fields, k, origin, direction, t_max):
     # From where the ray enters, positions are as precise as the field's own coordinates, however far it came.
     x, y, z = np.float32(ox + near * dx), np.float32(oy + near * dy), np.float32(oz + near * dz)
     ux, uy, uz = np.float32(dx / speed), np.float32(dy / speed), np.float32(dz / speed)
-    side = cubes[k, layout.SIDE]
-    cells = np.float32(1 << (2 * fields.numbers[k, layout.LEVELS])) / side
-    vx, vy, vz = ux * cells, uy * cells, uz * cells
+    size = np.float32(1 << (2 * fields.numbers[k, layout.LEVELS]))
+    cells = size / cubes[k, layout.SIDE]
+    wx, ix = _upward((x - cubes[k, layout.CELLS]) * cells, ux * cells, size)
+    wy, iy = _upward((y - cubes[k, layout.CELLS + 1]) * cells, uy * cells, size)
+    wz, iz = _upward((z - cubes[k, layout.CELLS + 2]) * cells, uz * cells, size)
+    mirror = (_X if ux < _ZERO else _NO_AXIS) | (_Y if uy < _ZERO else _NO_AXIS) | (_Z if uz < _ZERO else _NO_AXIS)
     return Walk(
         Line(x, y, z, ux, uy, uz, cubes[k, layout.SHORTEST], cubes[k, layout.DETAIL]),
-        (x - cubes[k, layout.CELLS]) * cells,
-        (y - cubes[k, layout.CELLS + 1]) * cells,
-        (z - cubes[k, layout.CELLS + 2]) * cells,
-        vx,
-        vy,
-        vz,
-        _reciprocal(vx),
-        _reciprocal(vy),
-        _reciprocal(vz),
+        wx,
+        wy,
+        wz,
+        ix,
+        iy,
+        iz,
+        mirror,
         near,
         _DOUBLE_ONE / speed,
         np.float32((far - near) * speed),
@@ -110,101 +116,103 @@ def _enter(fields, k, origin, direction, t_max):
 
 
 @device
-def _cell(place, first, count):
-    """The number of the cell that a place lies in, between `first` and `first` + `count` − 1."""
-    return min(max(np.int64(math.floor(place)), first), first + count - 1)
+def _keep(cells, level, node, left, x, y, z):
+    """Keep a node, its corner, and which of its children are still to be looked at."""
+    at = level * _LEVEL_WORDS + _KEPT
+    store_long(cells, at, left)
+    store_int(cells, at + 2, np.int32(node))
+    store_float(cells, at + 3, x)
+    store_float(cells, at + 4, y)
+    store_float(cells, at + 5, z)
 
 
 @device
-def _leave(first, count, place, inverse):
-    """How far it is to the face by which a ray leaves cells `first` … `first` + `count` − 1 of one axis."""
-    if inverse == _ZERO:
-        return _FAR
-    return (np.float32(first + count if inverse > _ZERO else first) - place) * inverse
+def _kept(cells, level):
+    """(node, left, x, y, z) as they were kept."""
+    at = level * _LEVEL_WORDS + _KEPT
+    place = load_float(cells, at + 3), load_float(cells, at + 4), load_float(cells, at + 5)
+    return np.int64(load_int(cells, at + 2)), load_long(cells, at), place[0], place[1], place[2]
 
 
 @device
-def _past(first, count, direction):
-    return first + count if direction > _ZERO else first - 1
-
-
-@device
-def _child(cx, cy, cz, shift):
-    return ((cx >> shift) & 3) + 4 * ((cy >> shift) & 3) + 16 * ((cz >> shift) & 3)
-
-
-@device
-def _region(fields, k, cx, cy, cz, node, shift):
-    """(code, binary logarithm of the width in cells, node) of the region that a cell lies in.
-
-    `node`, whose children are 2^`shift` wide, holds the cell; the root's code and width will do.
-    """
-    code = node
-    while code > 0:
-        node = code
-        code = np.int64(fields.nodes[node * NODE + _child(cx, cy, cz, shift)])
-        shift -= 2
-    return code, shift + 2, node
-
-
-@device
-def _through_field(fields, k, origin, direction, t_max, any_hit, slots, places, choices):
+def _through_field(fields, k, origin, direction, t_max, any_hit, slots, places, choices, cells):
     """(t, number of the tape) where a ray first meets the surface of field `k` before `t_max`; −1 for nowhere."""
     w = _enter(fields, k, origin, direction, t_max)
     if not w.end > _ZERO:
         return t_max, _NONE
     data = open_field_data(fields.data[k])
-    size = np.int64(1) << np.int64(2 * fields.numbers[k, layout.LEVELS])
     root_tape = np.int64(fields.numbers[k, layout.ROOT_TAPE])
-    cx, cy, cz = _cell(w.x, 0, size), _cell(w.y, 0, size), _cell(w.z, 0, size)
-    s, sign, leaves = _ZERO, _ZERO, w.enter == _NOTHING
-    # Neighbours that share a tape are gone through together: the stretch from `since` on waits for its end.
-    waiting, since = _NONE, _ZERO
-    root, top = np.int64(fields.numbers[k, layout.ROOT_CODE]), np.int64(2 * fields.numbers[k, layout.LEVELS] - 2)
-    node, shift, inside = root, top, True
+    sign, leaves = _ZERO, w.enter == _NOTHING
+    # Stretches that share a tape are gone through together: that from `since` to `until` waits for its end.
+    waiting, since, until = _NONE, _ZERO, _ZERO
+    # A node with its corner, the width of its children, and those of them that are still to be looked at; the first is
+    # the one above the root.
+    level, node, left = np.int64(0), np.int64(fields.numbers[k, layout.ABOVE]), np.int64(0)
+    nx, ny, nz, width = _ZERO, _ZERO, _ZERO, np.float32(1 << (2 * fields.numbers[k, layout.LEVELS]))
+    # The child at hand.
+    child, code, x, y, z, near, far = (
+        np.int64(0),
+        np.int64(fields.numbers[k, layout.ROOT_CODE]),
+        nx,
+        ny,
+        nz,
+        _ZERO,
+        w.end,
+    )
     while True:
-        code, shift, node = _region(fields, k, cx, cy, cz, node, shift)
-        tape = layout.FIRST_TAPE - code
-        if waiting >= 0 and (waiting != tape or not inside):
-            sign, found, place = first_crossing(
-                fields, data, tape_at(fields, root_tape, waiting), w.line, since, s, sign, leaves, any_hit, slots,
-                places, choices
-            )  # fmt: skip
-            if found:
-                return np.float32(w.enter + np.float64(place) * w.scale), waiting
-            waiting, leaves = _NONE, False
-        if not inside:
-            return t_max, _NONE
-        width = np.int64(1) << shift
-        x0, y0, z0 = (cx >> shift) << shift, (cy >> shift) << shift, (cz >> shift) << shift
-        sx, sy, sz = _leave(x0, width, w.x, w.ix), _leave(y0, width, w.y, w.iy), _leave(z0, width, w.z, w.iz)
-        leave = min(sx, min(sy, sz))
-        end = min(max(leave, s), w.end)
-        if code >= INSIDE:
-            here = _ONE if code == EMPTY else -_ONE
-            if here * sign < _ZERO:
-                return np.float32(w.enter + np.float64(s) * w.scale), root_tape
-            sign, leaves = here, False
-        elif waiting < 0 and end > s:
-            waiting, since = tape, s
-        s = end
-        px, py, pz = cx, cy, cz
-        if sx == leave:
-            cx = _past(x0, width, w.dx)
-            cy, cz = _cell(w.y + s * w.dy, y0, width), _cell(w.z + s * w.dz, z0, width)
-        elif sy == leave:
-            cy = _past(y0, width, w.dy)
-            cx, cz = _cell(w.x + s * w.dx, x0, width), _cell(w.z + s * w.dz, z0, width)
-        else:
-            cz = _past(z0, width, w.dz)
-            cx, cy = _cell(w.x + s * w.dx, x0, width), _cell(w.y + s * w.dy, y0, width)
-        inside = leave < w.end and min(cx, min(cy, cz)) >= 0 and max(cx, max(cy, cz)) < size
-        if not inside:
-            # Somewhere within, so that what waits is looked at.
-            cx, cy, cz = px, py, pz
-        elif ((cx ^ px) | (cy ^ py) | (cz ^ pz)) >> (shift + 2) != 0:
-            # Out of the node: from the root again.
-            node, shift = root, top
+        within = np.int64(0)
+        if code != INSIDE:
+            base = (level + 1) * _LEVEL_WORDS
+            met = cells_met(w, x, y, z, width * _QUARTER, cells, base)
+            within = met & mirrored(fields.finer[node * CHILDREN + child], w.mirror)
+            if within != 0 and code <= FIRST_TAPE:
+                near = load_float(cells, base + lowest_bit(within))
+                far = load_float(cells, base + _LEAVES + highest_bit(within))
+        if code < 0 and (within != 0 or code == INSIDE):
+            tape = FIRST_TAPE - code
+            if waiting >= 0 and (tape != waiting or near > until):
+                sign, found, place = first_crossing(
+                    fields, data, tape_at(fields, root_tape, waiting), w.line, since, until, sign, leaves, any_hit,
+                    slots, places, choices
+                )  # fmt: skip
+                if found:
+                    return np.float32(w.enter + np.float64(place) * w.scale), waiting
+                waiting, leaves = _NONE, False
+            if near > until:
+                # What lies between is proven empty.
+                sign, leaves = _ONE, False
+            if code == INSIDE:
+                if sign > _ZERO:
+                    return np.float32(w.enter + np.float64(near) * w.scale), root_tape
+                sign, leaves = -_ONE, False
+            elif waiting < 0:
+                waiting, since = tape, near
+            until = far
+        elif within != 0:
+            _keep(cells, level, node, left, nx, ny, nz)
+            level, node, left, width, nx, ny, nz = level + 1, code, within, width * _QUARTER, x, y, z
+        while left == 0 and level > 0:
+            level, width = level - 1, width * _FOUR
+            node, left, nx, ny, nz = _kept(cells, level)
+        if left == 0:
+            break
+        number = lowest_bit(left)
+        left &= left - 1
+        child = number ^ w.mirror
+        code = np.int64(fields.nodes[node * NODE + child])
+        x = nx + np.float32(number & 3) * width
+        y = ny + np.float32((number >> 2) & 3) * width
+        z = nz + np.float32(number >> 4) * width
+        at = level * _LEVEL_WORDS + number
+        near, far = load_float(cells, at), load_float(cells, at + _LEAVES)
+    if waiting >= 0:
+        sign, found, place = first_crossing(
+            fields, data, tape_at(fields, root_tape, waiting), w.line, since, until, sign, leaves, any_hit, slots,
+            places, choices
+        )  # fmt: skip
+        if found:
+            return np.float32(w.enter + np.float64(place) * w.scale), waiting
+    return t_max, _NONE
 
 
 @device
@@ -222,7 +230,7 @@ def _passes_by(fields, k, origin, direction):
 
 
 @device
-def _first_field(fields, origin, direction, t_max, any_hit, stack, slots, places, choices):
+def _first_field(fields, origin, direction, t_max, any_hit, stack, slots, places, choices, cells):
     """(t, field, number of the tape) of what a ray meets first; tape −1 for nothing."""
     field, tape = np.int64(0), _NONE
     many = fields.top_nodes.rows > 0
@@ -239,7 +247,7 @@ def _first_field(fields, origin, direction, t_max, any_hit, stack, slots, places
                 k = np.int64(fields.top_items[at]) if many else np.int64(0)
                 if _passes_by(fields, k, origin, direction):
                     continue
-                t, met = _through_field(fields, k, origin, direction, t_max, any_hit, slots, places, choices)
+                t, met = _through_field(fields, k, origin, direction, t_max, any_hit, slots, places, choices, cells)
                 if met >= 0:
                     t_max, field, tape = t, k, met
                     if any_hit:
@@ -263,9 +271,12 @@ def trace_field(fields_address, scratch_address):
     ray = floats_at(scratch_address, np.int64(layout.RAY_WORDS))
     stack = floats_at(scratch_address + _WORD * layout.STACK_AT, np.int64(layout.STACK_WORDS))
     places = floats_at(scratch_address + _WORD * layout.PLACES_AT, np.int64(layout.PLACES_WORDS))
+    cells = floats_at(scratch_address + _WORD * layout.CELLS_AT, np.int64(layout.CELLS_WORDS))
     choices = ints_at(scratch_address + _WORD * layout.CHOICES_AT, fields.longest)
     slots = slots_at(fields, scratch_address)
     origin, direction = vec3(ray[0], ray[1], ray[2]), vec3(ray[3], ray[4], ray[5])
-    t, field, tape = _first_field(fields, origin, direction, ray[6], ray[7] != _ZERO, stack, slots, places, choices)
+    t, field, tape = _first_field(
+        fields, origin, direction, ray[6], ray[7] != _ZERO, stack, slots, places, choices, cells
+    )
     ray[6] = t
     return (field << np.int64(32)) + tape if tape >= 0 else _NONE

@@ -23,13 +23,13 @@ def lane_numbers(typingctx):
 
 
 @intrinsic
-def following_lanes(typingctx, v):
-    """Lane k + 1 of `v` in lane k; the last lane stays."""
-    if v != f32x16:
+def following_lanes(typingctx, v, following):
+    """Lane k + 1 of `v` in lane k, and the first lane of `following` in the last."""
+    if v != f32x16 or following != f32x16:
         return None
 
     def codegen(context, builder, signature, args):
-        pattern = ir.Constant(ir.VectorType(ir.IntType(32), _LANES), [*range(1, _LANES), _LANES - 1])
-        return builder.shuffle_vector(args[0], args[0], pattern)
+        pattern = ir.Constant(ir.VectorType(ir.IntType(32), _LANES), list(range(1, _LANES + 1)))
+        return builder.shuffle_vector(*args, pattern)
 
-    return v(v), codegen
+    return v(v, following), codegen
