@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from isophote.kernels.accel.field_layout import FIELD
 from isophote.kernels.accel.geometry import affine_vector
 from isophote.kernels.accel.layout import BLOCK, LANES
 from isophote.kernels.accel.surface import UVS
@@ -22,7 +23,7 @@ __all__ = ["prepare", "slot_value"]
 
 _ZERO, _ONE = np.float32(0), np.float32(1)
 _LEAST = np.float32(1e-6)
-_WORDS = np.int64(contract.WORDS)
+_WORDS, _FIELD = np.int64(contract.WORDS), np.int64(FIELD)
 # Columns of `Materials.spans`.
 _ROOT, _FIRST, _COUNT, _TANGENT = np.int64(0), np.int64(1), np.int64(2), np.int64(3)
 
@@ -51,18 +52,32 @@ def _corner(blocks, at, k):
 
 
 @device
-def _along_u(scene, scratch):
-    """∂P/∂u of the triangle that was hit, zero where texture coordinates do not tell."""
+def _upright(matrices, k):
+    """The second axis of a shape's own space, in the world."""
+    return vec3(np.float32(matrices[k, 1]), np.float32(matrices[k, 5]), np.float32(matrices[k, 9]))
+
+
+@device
+def _around_upright(scene, slot, instance, normal):
+    """The way around the second axis of a primitive or a field, along which u of round primitives grows."""
+    if slot > _FIELD:
+        return cross(_upright(scene.primitives.to_world, instance), normal)
+    return cross(_upright(scene.fields.to_world, instance), normal)
+
+
+@device
+def _along_u(scene, normal, scratch):
+    """∂P/∂u of what was hit, or about that; zero where texture coordinates do not tell."""
     geometry, surfaces = scene.geometry, scene.surfaces
     slot = np.int64(load_int(scratch, contract.HIT_SLOT))
+    instance = np.int64(load_int(scratch, contract.HIT_INSTANCE))
     nowhere = vec3(_ZERO, _ZERO, _ZERO)
     if slot < 0:
-        return nowhere
+        return _around_upright(scene, slot, instance, normal)
     at = slot // LANES * BLOCK + slot % LANES
     blocks = geometry.blocks
     a = _corner(blocks, at, 0)
     edge1, edge2 = _corner(blocks, at, 1) - a, _corner(blocks, at, 2) - a
-    instance = np.int64(load_int(scratch, contract.HIT_INSTANCE))
     if geometry.identity[instance] == 0:
         edge1 = affine_vector(geometry.to_world, instance, edge1)
         edge2 = affine_vector(geometry.to_world, instance, edge2)
@@ -91,7 +106,7 @@ def _write_frame(scene, material, scratch):
     normal = (shading if (dot(direction, shading) < _ZERO) == outside else true) * side
     tangent, bitangent = orthonormal(normal)
     if scene.materials.spans[material, _TANGENT] != 0:
-        along = _along_u(scene, scratch)
+        along = _along_u(scene, true, scratch)
         along = along - normal * dot(along, normal)
         size2 = dot(along, along)
         if size2 > _ZERO:
