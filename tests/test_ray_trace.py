@@ -178,7 +178,9 @@ def test_adaptive_samples_by_noise():
     assert image.channels["samples"].min() < image.channels["samples"].max()
 
 
-@pytest.mark.parametrize("settings", [{}, {"filter": "mitchell"}, {"depth": 2}, {"min_weight": 0.2}])
+@pytest.mark.parametrize(
+    "settings", [{}, {"filter": "mitchell"}, {"depth": 2}, {"min_weight": 0.2}, {"shadows": "tinted"}]
+)
 def test_the_log_of_a_pixel_adds_up_to_its_colour(settings):
     items, lights = SCENE
     image = colour(render(items, lights, size=(24, 16), samples=5, **settings))
@@ -232,6 +234,7 @@ def test_the_log_says_what_was_met():
         ({"min_weight": float("nan")}, "min_weight"),
         ({"min_weight": -0.1}, "min_weight"),
         ({"pattern": "stars"}, "pattern must be one of"),
+        ({"shadows": "soft"}, "shadows must be one of opaque, tinted"),
         ({"seconds": 0}, "seconds"),
     ],
 )

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import isophote as iso
-from ray_traced import colour, ray_trace
+from ray_traced import block, colour, ray_trace
 from scenes import icosphere, plane
 
 WIDE = iso.Item(plane(40), iso.Matte(0.5))
@@ -148,3 +148,53 @@ def test_a_lamp_in_the_way_shadows():
     radius = np.hypot(*np.meshgrid(*[(np.arange(40) + 0.5) / 20 - 1] * 2))
     assert (image[radius < 0.46] == 0).all()
     assert np.allclose(image[radius > 0.54], 0.5 / math.pi, rtol=1e-5)
+
+
+SHEET = iso.Mesh([(-3, 1, -3), (-3, 1, 3), (3, 1, 3), (3, 1, -3)], [(0, 1, 2, 3)])
+UNDER = iso.OrthographicCamera((0.5, 0.9, 0.3), (0.5, 0, 0.3), (0, 0, -1), height=0.01)
+
+
+def through(item: iso.Item, shadows: str, light: object) -> np.ndarray:
+    """Colour of a point of the floor behind something, over that without it."""
+    settings = {"size": (2, 2), "samples": 4, "shadows": shadows}
+    free, shaded = (colour(ray_trace(items, [light], UNDER, **settings)) for items in ([WIDE], [WIDE, item]))
+    return (shaded / free).mean(axis=(0, 1))
+
+
+@pytest.mark.parametrize("light", [iso.PointLight((0.5, 3, 1.3), 10), iso.Sun((0, 3, 1), 1)], ids=["point", "sun"])
+def test_tinted_shadows_of_a_slab(light):
+    """exp(−σ d / cosθ) straight through what does not bend light, times (1 − F)² at faces that reflect."""
+    theta = math.atan(1 / 3)
+    sigma = np.array([0.5, 1.0, 3.0])
+    for n in (1.0, 1.5):
+        plate = iso.Item(block((-3, 1, -3), (3, 1.4, 3)), iso.Glass(n, absorption=tuple(sigma)))
+        share = float(iso.fresnel(theta, 1.0, n))
+        # Not bent: the second face is met under the first one's angle, from inside.
+        back = float(iso.fresnel(theta, n, 1.0))
+        expected = np.exp(-sigma * 0.4 / math.cos(theta)) * (1 - share) * (1 - back)
+        assert np.allclose(through(plate, "tinted", light), expected, rtol=1e-4)
+        assert (through(plate, "opaque", light) == 0).all()
+
+
+def test_tinted_shadows_of_sheets_and_what_blocks():
+    sun = iso.Sun((0, 1, 0), 1)
+    tint = (0.25, 0.5, 0.75)
+    sheet = iso.Item(SHEET, iso.ThinGlass.tinted(tint, ior=1.0))
+    assert np.allclose(through(sheet, "tinted", sun), tint, rtol=1e-5)
+    for material in (iso.Matte(), iso.Mirror(), iso.Metal(roughness=0), iso.Plastic("white")):
+        assert (through(iso.Item(SHEET, material), "tinted", sun) == 0).all()
+
+
+def test_a_lamp_within_a_tinted_ball_shines_out():
+    """A light in the middle of a ball of tinted glass without an edge: exp(−σ r) all around."""
+    lamp = iso.PointLight((0.5, 3, 0.3), 10)
+    ball = iso.Item(icosphere(4, 0.5), iso.Glass.tinted((0.2, 0.5, 0.8), at=0.5, ior=1.0)).translate((0.5, 3, 0.3))
+    assert np.allclose(through(ball, "tinted", lamp), (0.2, 0.5, 0.8), rtol=5e-3)
+
+
+def test_tinted_shadows_from_within_a_medium():
+    """A floor under tinted water, lit from above it: the water on the way, and not the air."""
+    water = iso.Item(block((-9, -1, -9), (9, 0.5, 9)), iso.Glass(1.0, absorption=(0.5, 1.0, 2.0)))
+    sun = iso.Sun((0, 1, 0), 1)
+    # Down to the floor and up again.
+    assert np.allclose(through(water, "tinted", sun), np.exp(-np.array([0.5, 1.0, 2.0])), rtol=5e-4)

@@ -12,6 +12,7 @@ from isophote.kernels.base.table import Packed
 from isophote.kernels.trace.ray_log import LIGHT_COLUMNS, LIGHT_NUMBERS, LOG, RAY_COLUMNS, RAY_NUMBERS
 from isophote.kernels.trace.ray_trace import ray_trace_tile
 from isophote.kernels.trace.ray_tree import new_tree
+from isophote.kernels.trace.shadow_tint import shadow_tint
 from isophote.kernels.trace.tables import PLAN
 from isophote.kernels.trace.wave import new_wave
 from isophote.lower.field_table import scratch_words
@@ -45,6 +46,8 @@ class RaySettings(Protocol):
     @property
     def pattern(self) -> str: ...
     @property
+    def shadows(self) -> str: ...
+    @property
     def limits(self) -> Limits: ...
 
 
@@ -72,7 +75,8 @@ class RayTiles:
         words = scratch_words(scene.arrays["fields"])
         jobs, flat = _light_jobs(scene, settings.light_samples), self.rays.reshape(-1)
         self._waves = [new_wave(_WAVE, words) for _ in range(threads)]
-        self._trees = [new_tree(_WAVE, settings.depth, jobs, settings.min_weight, flat) for _ in range(threads)]
+        tint = shadow_tint.address if settings.shadows == "tinted" else 0
+        self._trees = [new_tree(_WAVE, settings.depth, jobs, settings.min_weight, tint, flat) for _ in range(threads)]
 
     def trace(self, tile: Tile, thread: int) -> None:
         """Trace the samples that a tile's pixels are short of."""

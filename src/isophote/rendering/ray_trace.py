@@ -42,10 +42,14 @@ class RayTrace:
     `min_weight` of what the pixel shows are left out. Light that surfaces scatter at each other is not seen:
     `PathTrace` does that.
 
+    `shadows` are "opaque": glass shadows like any other surface, as in `PathTrace`, where light that comes through
+    glass is met by chance only. With "tinted" shadow rays go straight on through clear things, as if these did not bend
+    them, and keep what those let through; no light is gathered to caustics.
+
     `samples` trees of each pixel (16, or as many as it takes where `seconds` or `noise` is given) smooth edges;
-    `filter`, `pattern`, `seconds`, `noise` and `accelerator` are those of `PathTrace`. Glass shadows like any
-    other surface. The channel "rays" counts the rays of each pixel, shadow rays included. The same seed gives the same
-    bits on every machine of one kind, whatever the threads and tiles.
+    `filter`, `pattern`, `seconds`, `noise` and `accelerator` are those of `PathTrace`. The channel "rays" counts
+    the rays of each pixel, shadow rays included. The same seed gives the same bits on every machine of one kind,
+    whatever the threads and tiles.
 
     Source: Whitted, "An improved illumination model for shaded display", CACM 23(6), 1980; Cook, Porter, Carpenter,
     "Distributed ray tracing", SIGGRAPH 1984.
@@ -55,6 +59,7 @@ class RayTrace:
     samples: int | None = attrs.field(default=None, validator=optional_whole(1, MOST_SAMPLES))
     light_samples: int = attrs.field(default=4, validator=whole(1, 4096))
     min_weight: float = attrs.field(default=1e-3, validator=_weight)
+    shadows: str = attrs.field(default="opaque", validator=one_of(("opaque", "tinted")))
     filter: str | PixelFilter = attrs.field(default="box", validator=pixel_filter)
     seconds: float | None = attrs.field(default=None, validator=optional_positive)
     noise: float | None = attrs.field(default=None, validator=optional_positive)

@@ -12,9 +12,10 @@ import numpy as np
 
 from isophote.kernels.accel.geometry import Hit
 from isophote.kernels.accel.surface import MATERIAL, Surface, offset_point
+from isophote.kernels.base.entry import call_entry, element_address, table_address
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.sampler import draw_pairs
-from isophote.kernels.base.vec import dot, maximum_component, vec3
+from isophote.kernels.base.vec import dot, load_vec3, maximum_component, vec3
 from isophote.kernels.light.bsdf import LINKED
 from isophote.kernels.light.emitter import ENVIRONMENT, sample_group
 from isophote.kernels.light.medium import Boundary, attenuation, medium_towards
@@ -25,13 +26,14 @@ from isophote.kernels.trace.boundary import set_relative_index
 from isophote.kernels.trace.material import evaluate_material, prepare_material
 from isophote.kernels.trace.ray_log import log_light, log_visible
 from isophote.kernels.trace.samples import FIRST
+from isophote.kernels.trace.shadow_tint import DIRECTION, END, LEFT
 from isophote.kernels.trace.wave import add_radiance, row_vec3, set_row_vec3
 
 __all__ = ["light_surfaces", "prepare_surface", "remember_surface"]
 
 _ZERO, _ONE = np.float32(0), np.float32(1)
 _FAR = np.float32(np.inf)
-_NO_LIST = np.int64(0)
+_START, _AIR = np.int64(0), np.int64(0)
 # As in path.py: a shadow ray ends this much short of its light.
 _SHADOW_END = np.float32(1 - 1e-4)
 
@@ -48,6 +50,7 @@ def remember_surface(tree, at, i, surface, boundary, carried):
     floats[ray_tree.U, at], floats[ray_tree.V, at] = surface.u, surface.v
     numbers[ray_tree.COLUMN, at] = i
     numbers[ray_tree.BEFORE, at], numbers[ray_tree.BEHIND, at] = boundary.before, boundary.behind
+    numbers[ray_tree.THROUGH, at] = boundary.inside
     numbers[ray_tree.ITEM, at], numbers[ray_tree.TRIANGLE, at] = surface.item, surface.triangle
 
 
@@ -105,7 +108,7 @@ def prepare_surface(tables, surface, boundary, hit, direction, scratch):
 @device
 def _boundary(tree, at):
     numbers = tree.surface_numbers
-    return Boundary(numbers[ray_tree.BEFORE, at], numbers[ray_tree.BEHIND, at], _NO_LIST)
+    return Boundary(numbers[ray_tree.BEFORE, at], numbers[ray_tree.BEHIND, at], numbers[ray_tree.THROUGH, at])
 
 
 @device
@@ -126,8 +129,8 @@ def _prepare(tables, tree, wave, surface, at):
 
 @device
 def _arriving(tables, row, sample, medium):
-    """What arrives through a medium; of an environment without the constant part of the sky, which
-    counts as ambient light."""
+    """What arrives through a medium; of an environment without the constant part of the sky, which counts as ambient
+    light."""
     lights = tables.lights
     radiance = vec3(sample.red, sample.green, sample.blue)
     if lights.kinds[row] == ENVIRONMENT:
@@ -148,7 +151,11 @@ def _aim(tables, tree, wave, log, at, h, first, surface, job):
     into = vec3(sample.x, sample.y, sample.z)
     i = tree.surface_numbers[ray_tree.COLUMN, first + h]
     boundary, direction = _boundary(tree, first + h), row_vec3(floats, rows.DIRECTION, i)
-    arriving = _arriving(tables, row, sample, medium_towards(boundary, surface.normal, direction, into))
+    medium = medium_towards(boundary, surface.normal, direction, into)
+    # Tinted shadow rays tell the media themselves.
+    arriving = _arriving(tables, row, sample, medium if tree.tint == 0 else _AIR)
+    through = dot(surface.normal, into) * dot(surface.normal, direction) > _ZERO
+    tree.rays[ray_tree.SHADOW_INSIDE, at] = boundary.inside if through else wave.longs[rows.INSIDE, i]
     value, _ = evaluate_material(tables, surface, into, wave.scratch)
     factor = _ONE / (sample.density * chance * np.float32(several)) if several > 0 else _ONE
     light = row_vec3(tree.surfaces, ray_tree.SHARE, first + h) * value * arriving * factor
@@ -169,14 +176,32 @@ def _aim(tables, tree, wave, log, at, h, first, surface, job):
 
 
 @device
-def _collect(tree, wave, log, count):
-    """Add the light of shadow rays that nothing blocked."""
+def _left(tables, tree, wave, k):
+    """What is left of the light of shadow ray `k`."""
+    blocked, inside = wave.ints[rows.BLOCKED, k] != 0, tree.rays[ray_tree.SHADOW_INSIDE, k]
+    if tree.tint == 0 or (not blocked and inside == 0):
+        left = _ZERO if blocked else _ONE
+        return vec3(left, left, left)
+    ray, scratch = tree.shadow, wave.scratch
+    for row in range(3):
+        ray[row] = wave.floats[rows.SHADOW_ORIGIN + row, k]
+        ray[DIRECTION + row] = wave.floats[rows.SHADOW_DIRECTION + row, k]
+    ray[END] = wave.floats[rows.SHADOW_END, k]
+    scene, at = table_address(tables), element_address(scratch, _START)
+    call_entry(tree.tint, (scene, at, np.int64(scratch.rows), element_address(ray, _START), inside))
+    return load_vec3(ray, LEFT)
+
+
+@device
+def _collect(tables, tree, wave, log, count):
+    """Add what is left of the light of shadow rays."""
     for k in range(count):
         i = np.int64(wave.ints[rows.SHADOW_OWNER, k])
         tree.rays[ray_tree.COUNT, np.int64(wave.ints[rows.OWNER, i])] += 1
-        if wave.ints[rows.BLOCKED, k] == 0:
-            add_radiance(wave, i, row_vec3(wave.floats, rows.SHADOW_LIGHT, k))
-            log_visible(log, tree.rays[ray_tree.SHADOW_LOGGED, k])
+        left = _left(tables, tree, wave, k)
+        if maximum_component(left) > _ZERO:
+            add_radiance(wave, i, row_vec3(wave.floats, rows.SHADOW_LIGHT, k) * left)
+            log_visible(log, tree.rays[ray_tree.SHADOW_LOGGED, k], left)
 
 
 @device
@@ -198,4 +223,4 @@ def light_surfaces(tables, plan, tree, wave, log, count, coherent):
                 for job in range(begin, min(begin + size, jobs)):
                     made += _aim(tables, tree, wave, log, made, h, first, surface, job)
             find_blocked(tables, wave, made, coherent)
-            _collect(tree, wave, log, made)
+            _collect(tables, tree, wave, log, made)

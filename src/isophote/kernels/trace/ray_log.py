@@ -67,6 +67,12 @@ def _set(table, row, column, v):
 
 
 @device
+def _row(table, row, column):
+    """The vector in three columns of a row."""
+    return vec3(table[row, column], table[row, column + 1], table[row, column + 2])
+
+
+@device
 def log_branch(log, parent, kind, level, ended, origin, direction, weight):
     """A row for a ray that is sent out, or −1."""
     if log.rays.rows == 0:
@@ -143,7 +149,8 @@ def log_light(log, ray, light, trial, sample, arriving, value, factor):
 
 
 @device
-def log_visible(log, row):
-    """Take down that nothing stands between a surface and a light."""
+def log_visible(log, row, left):
+    """Take down that light comes through from where it shines, and what is left of it."""
     if row >= 0:
         log.light_numbers[row, SEEN] = 1
+        _set(log.lights, row, ARRIVING, _row(log.lights, row, ARRIVING) * left)

@@ -13,10 +13,22 @@ import numpy.typing as npt
 
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.random import combine
-from isophote.kernels.base.table import FLOAT, FLOAT_ROWS, INT_ROWS, LONG_ROWS, LONGS, WORD_ROWS, Packed, Table
+from isophote.kernels.base.table import (
+    FLOAT,
+    FLOAT_ROWS,
+    FLOATS,
+    INT,
+    INT_ROWS,
+    LONG_ROWS,
+    LONGS,
+    WORD_ROWS,
+    Packed,
+    Table,
+)
 from isophote.kernels.base.vec import maximum_component, vec3
 from isophote.kernels.trace import wave as rows
 from isophote.kernels.trace.ray_log import ENDED_BY_DEPTH, ENDED_BY_WEIGHT, log_branch
+from isophote.kernels.trace.shadow_tint import RAY_WORDS
 from isophote.kernels.trace.wave import row_vec3, set_row_vec3
 
 __all__ = [
@@ -36,24 +48,27 @@ ORIGIN, DIRECTION, CARRIED, FLOATS_A_LEVEL = np.int64(0), np.int64(3), np.int64(
 KEY, SAMPLE, OWNER, WORDS_A_LEVEL = np.int64(0), np.int64(1), np.int64(2), np.int64(3)
 # Longs: media that it is in (medium.py), and its row in the log.
 INSIDE, LOGGED, LONGS_A_LEVEL = np.int64(0), np.int64(1), np.int64(2)
-# Rows of `rays`: how many rays each tree has so far, and the rows in the log of the wave's rays and shadow rays.
-COUNT, RAY_LOGGED, SHADOW_LOGGED, RAY_ROWS = np.int64(0), np.int64(1), np.int64(2), 3
+# Rows of `rays`: how many rays each tree has so far, the rows in the log of the wave's rays and shadow rays, and the
+# media that shadow rays begin in.
+COUNT, RAY_LOGGED, SHADOW_LOGGED, SHADOW_INSIDE, RAY_ROWS = np.int64(0), np.int64(1), np.int64(2), np.int64(3), 4
 # Columns of `waiting`: those taken, and all.
 TAKEN, END = np.int64(0), np.int64(1)
 
 # Rows of `surfaces`, surfaces that lights shine on: what surface_of said, and what the ray carries there …
 PLACE, NORMAL, SHADING, SHARE, ERROR, U, V, SURFACE_FLOATS = 0, 3, 6, 9, 12, 13, 14, 15
-# … and of `surface_numbers`: the ray's wave column, and the media before and behind the surface.
-COLUMN, ITEM, TRIANGLE, BEFORE, BEHIND, SURFACE_NUMBERS = 0, 1, 2, 3, 4, 5
+# … and of `surface_numbers`: the ray's wave column, the media before and behind the surface, and all those that a ray
+# is in which went through.
+COLUMN, ITEM, TRIANGLE, BEFORE, BEHIND, THROUGH, SURFACE_NUMBERS = 0, 1, 2, 3, 4, 5, 6
 # Rows of `keys`: what the sample numbers of a few of them are drawn for.
 DRAW_KEY, DRAW_SAMPLE, KEY_ROWS = 0, 1, 2
 
 _ZERO, _ONE, _FAR = np.float32(0), np.float32(1), np.float32(np.inf)
 _U = np.uint32
 
-# `floats`, `words`, `longs`, `waiting`: the lists above, level by level; `rays` (3, wave); `sums` (3 · levels, wave);
+# `floats`, `words`, `longs`, `waiting`: the lists above, level by level; `rays` (4, wave); `sums` (3 · levels, wave);
 # `surfaces`, `surface_numbers`; `jobs` (n, 3): each sample of each light as its group, its number and how many samples
 # that light gets; `draws` (2 n, h): their sample numbers for h surfaces; `keys` (2, h). `least`: what rays must carry.
+# `tint`: address of shadow_tint, or 0 where all that is in the way blocks, and `shadow`, one of its rays.
 # `traced` (pixels,): rays of each pixel.
 TREE = Table(
     "RayTree",
@@ -69,12 +84,14 @@ TREE = Table(
     draws=FLOAT_ROWS,
     keys=WORD_ROWS,
     least=FLOAT,
+    tint=INT,
+    shadow=FLOATS,
     traced=LONGS,
 )
 
 
 def new_tree(
-    size: int, levels: int, jobs: npt.NDArray[np.int32], least: float, traced: npt.NDArray[np.int64]
+    size: int, levels: int, jobs: npt.NDArray[np.int32], least: float, tint: int, traced: npt.NDArray[np.int64]
 ) -> Packed:
     """Scratch for trees of so many levels in waves of `size` rays; one for each thread, `traced` for all."""
     several = max(1, size // max(1, len(jobs)))
@@ -91,6 +108,8 @@ def new_tree(
         draws=np.zeros((2 * len(jobs), several), np.float32),
         keys=np.zeros((KEY_ROWS, several), np.uint32),
         least=least,
+        tint=tint,
+        shadow=np.zeros(RAY_WORDS, np.float32),
         traced=traced,
     )
 
