@@ -22,7 +22,7 @@ from isophote.kernels.measure.contour_vertices import VERTICES
 from isophote.kernels.measure.qef import QEF_WORDS
 from isophote.progress import Reporter
 
-__all__ = ["LEAST_HEIGHT", "Chunk", "Longs", "Spread", "Triangles", "join", "taken"]
+__all__ = ["LEAST_HEIGHT", "Chunk", "Longs", "Spread", "Triangles", "join"]
 
 Ints: TypeAlias = npt.NDArray[np.int32]
 Longs: TypeAlias = npt.NDArray[np.int64]
@@ -46,22 +46,17 @@ class Triangles(NamedTuple):
 
 
 class Chunk(NamedTuple):
-    """What some bricks put out; see OUTPUT of kernels/measure/contour_tables.py."""
+    """What bricks have put out: those that are `first` ≤ b < `last` there. See kernels/measure/contour_tables.py."""
 
-    arrays: dict[str, npt.NDArray[Any]]
-    # How many cells, edges, components and ambiguous cells each brick has.
-    counts: Ints
+    output: dict[str, npt.NDArray[Any]]
+    first: int
+    last: int
 
-
-def taken(output: Packed, first: int, last: int) -> Chunk:
-    """What the bricks `first` to `last` have put out."""
-    ends = np.zeros((last - first + 1, 4), np.int32)
-    ends[first == 0 :] = output.arrays["ends"][max(first - 1, 0) : last]
-    counts = np.diff(ends, axis=0)
-    counts[:, 3] = ends[1:, 3]
-    spans = [slice(a, b) for a, b in zip(ends[0].tolist(), ends[-1].tolist(), strict=True)]
-    names = ((_CELLS, spans[0]), (_EDGES, spans[1]), (_COMPONENTS, spans[2]))
-    return Chunk({name: output.arrays[name][span] for group, span in names for name in group}, counts)
+    @property
+    def ends(self) -> Ints:
+        """Where each brick's cells, edges and components end in the output, and where the first brick's begin."""
+        ends = self.output["ends"][max(self.first - 1, 0) : self.last, :3]
+        return ends if self.first else np.concatenate([np.zeros((1, 3), np.int32), ends])
 
 
 def join(
@@ -70,8 +65,9 @@ def join(
     """Vertices and faces of all bricks."""
     if not chunks:
         return Triangles(np.zeros((0, 3)), np.zeros((0, 3), np.int32))
-    arrays = _one_after_another(chunks, spread)
-    counts = np.concatenate([chunk.counts for chunk in chunks])
+    ends = [chunk.ends for chunk in chunks]
+    arrays = _one_after_another(chunks, ends, spread)
+    counts = np.concatenate([np.diff(end, axis=0) for end in ends])
     starts, edge_starts, nodes = (_starts(counts[:, k]) for k in range(3))
     slots = np.full(int(np.prod(grid.bricks)), -1, np.int32)
     slots[bricks] = np.arange(len(bricks))
@@ -95,27 +91,30 @@ def join(
     tables = contour_faces.FACES.pack(**arrays, **fixed)
     jobs = ((tables.words, a, min(a + _BRICKS, len(bricks))) for a in range(0, len(bricks), _BRICKS))
     list(spread(contour_faces.index_bricks, jobs))
-    if counts[:, 3].any():
+    if any(chunk.output["ends"][chunk.first : chunk.last, 3].any() for chunk in chunks):
         tables = _mended(tables)
     triangles = np.concatenate(_faces(tables, grid, spread, report))
     places = tables.arrays["places"]
-    numbers, vertices = np.zeros(len(places), np.int32), np.empty_like(places)
-    count = contour_faces.put_together(places, grid.cell, grid.low, triangles, numbers, vertices)
-    return Triangles(vertices[:count].copy(), triangles)
+    numbers = np.zeros(len(places), np.int32)
+    vertices = np.empty((contour_faces.number_vertices(triangles, numbers), 3))
+    contour_faces.place_vertices(places, grid.cell, grid.low, numbers, vertices)
+    return Triangles(vertices, triangles)
 
 
 def _starts(counts: npt.NDArray[Any]) -> Longs:
     return np.concatenate([np.zeros(1, np.int64), np.cumsum(counts, dtype=np.int64)])
 
 
-def _one_after_another(chunks: list[Chunk], spread: Spread) -> dict[str, npt.NDArray[Any]]:
+def _one_after_another(chunks: list[Chunk], ends: list[Ints], spread: Spread) -> dict[str, npt.NDArray[Any]]:
     """The chunks' arrays put together."""
+    spans = [list(zip(end[0].tolist(), end[-1].tolist(), strict=True)) for end in ends]
 
-    def put_together(name: str) -> npt.NDArray[Any]:
-        return np.concatenate([chunk.arrays[name] for chunk in chunks])
+    def put_together(name: str, kind: int) -> npt.NDArray[Any]:
+        pairs = zip(chunks, spans, strict=True)
+        return np.concatenate([chunk.output[name][slice(*span[kind])] for chunk, span in pairs])
 
-    names = (*_COMPONENTS, *_EDGES, *_CELLS)
-    return dict(zip(names, spread(put_together, ((name,) for name in names)), strict=True))
+    jobs = [(name, kind) for kind, names in enumerate((_CELLS, _EDGES, _COMPONENTS)) for name in names]
+    return dict(zip((name for name, _ in jobs), spread(put_together, jobs), strict=True))
 
 
 @cache
@@ -178,22 +177,22 @@ def _faces(tables: Packed, grid: Grid, spread: Spread, report: Reporter) -> list
     """The triangles of each brick's edges, by numbers of components."""
     arrays = tables.arrays
     most = 2 * np.diff(arrays["edge_starts"])
-    found = [_room(0)] * len(most)
+    found: list[tuple[Ints, Ints]] = [_part(_room(0), 0, 0)] * len(most)
 
     def write(bricks: Longs) -> None:
-        out = _room(int(most[bricks].sum()), len(bricks))
-        contour_faces.write_faces(tables.words, bricks, out.words)
+        out, ends = _room(int(most[bricks].sum())), np.empty(len(bricks), np.int64)
+        contour_faces.write_faces(tables.words, bricks, out.words, ends)
         first = 0
-        for brick, end in zip(bricks.tolist(), out.arrays["ends"].tolist(), strict=True):
+        for brick, end in zip(bricks.tolist(), ends.tolist(), strict=True):
             found[brick], first = _part(out, first, end), end
 
-    def mend(brick: int) -> None:
-        out = _room(int(most[brick]))
-        contour_faces.mend_faces(tables.words, np.array([brick]), found[brick].words, out.words)
-        found[brick] = _part(out, 0, int(out.arrays["ends"][0]))
+    def mend(bricks: Longs) -> None:
+        out, first = _room(int(most[bricks].sum())), 0
+        for brick in bricks.tolist():
+            end = contour_faces.mend_faces(tables.words, brick, *found[brick], out.words, first)
+            found[brick], first = _part(out, first, end), end
 
-    numbers = np.arange(len(most))
-    list(spread(write, ((numbers[a : a + _BRICKS],) for a in range(0, len(most), _BRICKS))))
+    list(spread(write, _portions(np.arange(len(most)))))
     report("joining", 0.5)
     parts = _parts()
     while len(split := _newly_split(arrays)):
@@ -201,23 +200,24 @@ def _faces(tables: Packed, grid: Grid, spread: Spread, report: Reporter) -> list
         arrays["changed"][:] = 0
         contour_faces.find_vertices(tables.words, bricks)
         contour_parts.place_parts(tables.words, bricks, parts.words)
-        list(spread(mend, ((brick,) for brick in _touched(arrays, split, grid).tolist())))
+        list(spread(mend, _portions(_touched(arrays, split, grid))))
         report("joining", 0.5)
     report("joining", 1.0)
-    return [faces.arrays["vertices"] for faces in found]
+    return [vertices for vertices, _ in found]
 
 
-def _room(triangles: int, bricks: int = 1) -> Packed:
-    """Room for the triangles of some bricks."""
+def _portions(bricks: Longs) -> Iterator[tuple[Longs]]:
+    return ((bricks[a : a + _BRICKS],) for a in range(0, len(bricks), _BRICKS))
+
+
+def _room(triangles: int) -> Packed:
+    """Room for triangles."""
     vertices, edges = np.empty((triangles, 3), np.int32), np.empty(triangles, np.int32)
-    return contour_faces.TRIANGLES.pack(vertices=vertices, edges=edges, ends=np.empty(bricks, np.int64))
+    return contour_faces.TRIANGLES.pack(vertices=vertices, edges=edges)
 
 
-def _part(faces: Packed, first: int, end: int) -> Packed:
-    arrays = faces.arrays
-    return contour_faces.TRIANGLES.pack(
-        vertices=arrays["vertices"][first:end], edges=arrays["edges"][first:end], ends=arrays["ends"]
-    )
+def _part(faces: Packed, first: int, end: int) -> tuple[Ints, Ints]:
+    return faces.arrays["vertices"][first:end], faces.arrays["edges"][first:end]
 
 
 def _parts() -> Packed:

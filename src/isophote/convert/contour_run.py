@@ -6,13 +6,13 @@ import os
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
 from isophote.convert.contour_grid import Grid, corner_text
-from isophote.convert.contour_join import LEAST_HEIGHT, Chunk, Longs, Spread, Triangles, join, taken
+from isophote.convert.contour_join import LEAST_HEIGHT, Chunk, Longs, Spread, Triangles, join
 from isophote.convert.contour_scratch import new_output, new_work, pack_contour
 from isophote.errors import GeometryError
 from isophote.kernels.base.table import Packed
@@ -35,6 +35,9 @@ _A_BRICK = 400_000
 # Bricks that a thread is given at once, and components of a brick that there is room for at first.
 _CHUNK = 8
 _ROOM = 1 << 14
+
+
+_T = TypeVar("_T")
 
 
 class _Field(NamedTuple):
@@ -60,9 +63,10 @@ def contoured(shape: Field, grid: Grid, reach: float, options: Options, report: 
     cells = reach / grid.cell if options.sharp and reach > 0 else -1.0
     contour = pack_contour(tape.rows, grid.axes, cells, options.sharp)
     with _crew(options.threads) as spread:
-        bricks = _find_bricks(contour, grid, field, spread)
+        free: list[Packed] = []
+        bricks = _find_bricks(contour, grid, field, free, spread)
         _check_memory(grid, len(bricks), options.memory)
-        chunks = _contour(_Worker(contour, grid, bricks, field), bricks, spread, report)
+        chunks = _contour(_Worker(contour, grid, bricks, field, free), bricks, spread, report)
         return join(chunks, bricks, grid, max(cells, LEAST_HEIGHT), spread, report)
 
 
@@ -87,17 +91,27 @@ def _crew(threads: int | None) -> Iterator[Spread]:
         yield lambda function, jobs: pool.map(lambda job: function(*job), jobs)
 
 
-def _find_bricks(contour: Packed, grid: Grid, field: _Field, spread: Spread) -> Longs:
-    """The numbers of the bricks that the surface may cross, in order."""
+def _find_bricks(contour: Packed, grid: Grid, field: _Field, free: list[Packed], spread: Spread) -> Longs:
+    """The numbers of the bricks that the surface may cross, in order; scratch that is `free` again."""
     groups = int(np.prod([-(-n // contour_regions.GROUP) for n in grid.cells]))
 
     def find(first: int, last: int) -> Longs:
         found = np.empty(64 * (last - first), np.int64)
-        work = new_work(*field, 1)
-        return found[: contour_regions.find_bricks(contour.words, work.words, first, last, found)]
+        work = _last(free) or new_work(*field, _ROOM)
+        count = contour_regions.find_bricks(contour.words, work.words, first, last, found)
+        free.append(work)
+        return found[:count]
 
     parts = list(spread(find, ((first, min(first + 64, groups)) for first in range(0, groups, 64))))
     return np.sort(np.concatenate(parts))
+
+
+def _last(free: list[_T]) -> _T | None:
+    """The last of what is free, taken off the list; None if there is nothing, which another thread may see to."""
+    try:
+        return free.pop()
+    except IndexError:
+        return None
 
 
 class _Room(NamedTuple):
@@ -112,19 +126,20 @@ class _Room(NamedTuple):
 class _Worker:
     """Contours chunks of bricks, with the scratch of its thread, which grows where a brick needs more."""
 
-    def __init__(self, contour: Packed, grid: Grid, bricks: Longs, field: _Field) -> None:
+    def __init__(self, contour: Packed, grid: Grid, bricks: Longs, field: _Field, scratch: list[Packed]) -> None:
         self._contour, self._grid, self._bricks, self._field = contour, grid, bricks, field
+        self._scratch = scratch
         self._free: list[_Room] = []
 
     def __call__(self, first: int, last: int) -> list[Chunk]:
-        room = self._free.pop() if self._free else self._new(_ROOM)
+        room = _last(self._free) or self._new(_ROOM)
         chunks = []
         while first < last:
             status, done = contour_brick.contour_bricks(
                 self._contour.words, room.work.words, room.output.words, self._bricks, first, last, room.done
             )
             if done > room.done:
-                chunks.append(taken(room.output, room.done, done))
+                chunks.append(Chunk(room.output.arrays, room.done, done))
                 first += done - room.done
             if status == contour_brick.NO_ROOM:
                 # What a brick needs more than all of, it needs twice.
@@ -137,7 +152,9 @@ class _Worker:
         return chunks
 
     def _new(self, size: int) -> _Room:
-        return _Room(new_work(*self._field, size), new_output(4 * size, 16 * size, len(self._bricks)), 0, size)
+        work = _last(self._scratch) if size == _ROOM else None
+        work = work or new_work(*self._field, size)
+        return _Room(work, new_output(4 * size, 16 * size, len(self._bricks)), 0, size)
 
     def _refuse(self, status: int, brick: int) -> None:
         grid = self._grid
@@ -156,6 +173,6 @@ def _contour(worker: _Worker, bricks: Longs, spread: Spread, report: Reporter) -
     done = 0
     for parts in spread(worker, spans):
         chunks += parts
-        done += sum(len(part.counts) for part in parts)
+        done += sum(part.last - part.first for part in parts)
         report("contouring", done / len(bricks))
     return chunks

@@ -71,7 +71,7 @@ def _edge_numbers() -> npt.NDArray[np.int32]:
 
 def pack_contour(rows: Any, axes: Any, reach: float, sharp: bool) -> Packed:
     """A field on a grid: its tape's rows, and the samples' coordinates along the three axes."""
-    xs, ys, zs = (np.pad(axis, (0, PADDING), "edge") for axis in axes)
+    xs, ys, zs = (np.concatenate([axis, np.full(PADDING, axis[-1])]) for axis in axes)
     nx, ny, nz = (len(axis) - 1 for axis in axes)
     return CONTOUR.pack(
         rows=rows.reshape(-1),

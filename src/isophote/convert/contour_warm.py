@@ -27,13 +27,14 @@ _OTHERS = (
     (contour_regions, "find_bricks", f"({_WORDS}, {_WORDS}, int64, int64, int64[::1])"),
     (contour_faces, "index_bricks", f"({_WORDS}, int64, int64)"),
     (contour_faces, "find_vertices", f"({_WORDS}, int64[::1])"),
-    (contour_faces, "write_faces", f"({_WORDS}, int64[::1], {_WORDS})"),
+    (contour_faces, "write_faces", f"({_WORDS}, int64[::1], {_WORDS}, int64[::1])"),
+    (contour_faces, "number_vertices", "(int32[:, ::1], int32[::1])"),
     (
         contour_faces,
-        "put_together",
-        "(float64[:, ::1], float64, float64[::1], int32[:, ::1], int32[::1], float64[:, ::1])",
+        "place_vertices",
+        "(float64[:, ::1], float64, float64[::1], int32[::1], float64[:, ::1])",
     ),
-    (contour_faces, "mend_faces", f"({_WORDS}, int64[::1], {_WORDS}, {_WORDS})"),
+    (contour_faces, "mend_faces", f"({_WORDS}, int64, int32[:, ::1], int32[::1], {_WORDS}, int64)"),
     (contour_faults, "find_faults", f"({_WORDS}, int64[::1], int64[::1], int32[::1], int64[:, ::1])"),
 )
 

@@ -18,10 +18,11 @@ __all__ = [
     "find_vertices",
     "index_bricks",
     "mend_faces",
+    "number_vertices",
     "open_faces",
     "place_of_brick",
     "place_of_edge",
-    "put_together",
+    "place_vertices",
     "slot_at",
     "write_faces",
 ]
@@ -64,9 +65,8 @@ FACES = Table(
     ranks=INT_ROWS,
 )
 
-# What is written: the triangles of some bricks, (n, 3), in the order of the edges that they are at, and where those of
-# each brick end.
-TRIANGLES = Table("ContourTriangles", vertices=INT_ROWS, edges=INTS, ends=LONGS)
+# What is written: triangles, (n, 3), in the order of the edges that they are at, and these.
+TRIANGLES = Table("ContourTriangles", vertices=INT_ROWS, edges=INTS)
 
 # Triangles whose normals are farther than this cosine from that of the surface are folded over.
 _TURNED = np.float64(0.1)
@@ -298,8 +298,8 @@ def _write_edge(t, out, count, edge, first, x0, y0, z0):
 
 
 @kernel
-def write_faces(tables, bricks, triangles):
-    """Write the triangles of bricks' edges, anticlockwise from outside.
+def write_faces(tables, bricks, triangles, ends):
+    """Write the triangles of bricks' edges, anticlockwise from outside, and where those of each brick end.
 
     Asks for merged components to be split where a triangle is folded over.
     """
@@ -312,7 +312,7 @@ def write_faces(tables, bricks, triangles):
         for edge in range(t.edge_starts[brick], t.edge_starts[brick + 1]):
             _complete_ring(t, edge, first, x0, y0, z0)
             count = _write_edge(t, out, count, edge, first, x0, y0, z0)
-        out.ends[number] = count
+        ends[number] = count
 
 
 @device
@@ -324,47 +324,54 @@ def _has_changed(t, edge, first):
 
 
 @kernel
-def mend_faces(tables, bricks, before, triangles):
-    """Write the triangles of a brick's edges again where vertices have changed; others are those before.
+def mend_faces(tables, brick, vertices, edges, triangles, count):
+    """Write the triangles of a brick's edges again where vertices have changed; others stay.
 
-    Both are TRIANGLES, and `bricks` is (1,) int64.
+    `vertices` (n, 3) int32 and `edges` (n,) int32 are the triangles before. The new ones are written from number
+    `count` on; returns where they end.
     """
-    t, old, out = open_faces(tables), _open_triangles(before), _open_triangles(triangles)
-    brick = bricks[0]
+    t, out = open_faces(tables), _open_triangles(triangles)
     x0, y0, z0 = place_of_brick(t, brick)
     first = t.nodes[brick]
-    count, at = np.int64(0), np.int64(0)
+    at = np.int64(0)
     for edge in range(t.edge_starts[brick], t.edge_starts[brick + 1]):
         has_changed = _has_changed(t, edge, first)
-        while at < old.edges.rows and old.edges[at] == edge:
+        while at < len(edges) and edges[at] == edge:
             if not has_changed:
                 for corner in range(3):
-                    out.vertices[count, corner] = old.vertices[at, corner]
+                    out.vertices[count, corner] = vertices[at, corner]
                 out.edges[count] = np.int32(edge)
                 count += 1
             at += 1
         if has_changed:
             count = _write_edge(t, out, count, edge, first, x0, y0, z0)
-    out.ends[0] = count
+    return count
 
 
 @kernel
-def put_together(places, cell, low, triangles, numbers, vertices):
-    """Number the components that triangles (m, 3) name, and write their places in the world into `vertices` (n, 3).
+def number_vertices(triangles, numbers):
+    """Let triangles (m, 3) name the vertices that they have, from 0 on; returns how many there are.
 
-    `numbers` (n,) int32 is 0 at first. The triangles name the vertices then; returns how many there are.
+    `numbers` (n,) int32 is 0 at first. It becomes 1 more than the vertex that each component is, or stays 0.
     """
     for row in range(triangles.shape[0]):
         for corner in range(3):
             numbers[triangles[row, corner]] = 1
     count = np.int64(0)
     for component in range(numbers.shape[0]):
-        if numbers[component] != 0:
-            for axis in range(3):
-                vertices[count, axis] = places[component, axis] * cell + low[axis]
-            numbers[component] = np.int32(count)
-            count += 1
+        count += numbers[component]
+        numbers[component] *= count
     for row in range(triangles.shape[0]):
         for corner in range(3):
-            triangles[row, corner] = numbers[triangles[row, corner]]
+            triangles[row, corner] = numbers[triangles[row, corner]] - 1
     return count
+
+
+@kernel
+def place_vertices(places, cell, low, numbers, vertices):
+    """Write the places in the world of the components that are vertices into `vertices` (n, 3)."""
+    for component in range(numbers.shape[0]):
+        vertex = numbers[component] - 1
+        if vertex >= 0:
+            for axis in range(3):
+                vertices[vertex, axis] = places[component, axis] * cell + low[axis]
