@@ -13,7 +13,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from isophote import Mesh, triangulate
+from isophote import Mesh, load_mesh, triangulate
 
 EARCUT = Path(__file__).parents[1] / "../shared/models/polygons/earcut"
 COORDINATES = st.sampled_from([0.0, 1.0, 2.0, 3.0, -1.0, 0.5, 1e-9, 1e300, -1e300, 1e-300])
@@ -232,3 +232,54 @@ def test_a_large_polygon_that_crosses_itself_everywhere_does_not_take_long():
     start = time.process_time()
     assert_well_formed(face(np.random.default_rng(5).random((3000, 3))))
     assert time.process_time() - start < 20
+
+
+# --- quads that share two edges -------------------------------------------------------------------
+
+# A tent over the line from 0 to 2: all diagonals between these are shorter than the others.
+TENT = [(0, -0.1, 0), (1, 0, 0), (0, 0.1, 0), (-1, 0, 0), (0, 0, 0.5)]
+
+
+def most_at_an_edge(mesh):
+    cut = triangulate(mesh)
+    assert_well_formed(mesh)
+    ends = np.sort(np.stack([cut.triangles, np.roll(cut.triangles, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1)
+    return np.unique(ends, axis=0, return_counts=True)[1].max()
+
+
+@pytest.mark.parametrize(
+    "faces",
+    [
+        [(0, 1, 2, 4), (0, 4, 2, 3)],
+        [(4, 0, 1, 2), (3, 0, 4, 2)],
+        [(0, 1, 2, 4), (0, 4, 2, 3), (0, 3, 2, 1)],
+        [(0, 1, 2, 4), (0, 4, 2)],
+        [(0, 4, 2), (1, 2, 4, 0)],
+        [(0, 1, 2, 3), (0, 3, 2, 1)],
+        [(0, 1, 2, 4), (4, 2, 1, 0)],
+    ],
+)
+@pytest.mark.parametrize("copies", [1, 3])
+def test_quads_that_share_two_edges_share_no_diagonal(faces, copies):
+    vertices = np.concatenate([np.add(TENT, (5.0 * k, 0, 0)) for k in range(copies)])
+    mesh = Mesh(vertices, [np.add(face, 5 * k) for k in range(copies) for face in faces])
+    assert most_at_an_edge(mesh) == 2
+
+
+def test_a_concave_quad_keeps_its_diagonal_and_its_twin_gives_way():
+    """The upper quad has but one diagonal inside, the lower one may take either."""
+    points = [(0, 0, 0), (-1, -1, 0), (3, 0, 0), (-1, 1, 0), (2, 1.5, -0.5)]
+    upper, lower = (0, 1, 2, 3), (0, 4, 2, 1)
+    assert {0, 2} <= set(triangulate(Mesh(points, [lower])).triangles[0].tolist())
+    for faces in ([upper, lower], [lower, upper]):
+        assert most_at_an_edge(Mesh(points, faces)) == 2
+        found = {frozenset(t) for t in triangulate(Mesh(points, faces)).triangles.tolist()}
+        assert {frozenset({0, 1, 2}), frozenset({0, 2, 3})} <= found
+
+
+def test_suzanne_has_no_edge_with_more_than_two_triangles():
+    """Two quads at the mouth share two edges."""
+    path = Path(__file__).parents[1] / "../shared/models/boundary/suzanne.obj"
+    if not path.exists():
+        pytest.skip("the model is not there")
+    assert most_at_an_edge(load_mesh(path)) == 2

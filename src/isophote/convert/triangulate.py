@@ -18,8 +18,8 @@ Corners: TypeAlias = npt.NDArray[np.int64]
 # Diagonals of about the same length are one length: rounding must not choose between those of a square.
 _CLEARLY = 1 - 1e-9
 
-_ALONG_0_2 = (0, 1, 2, 0, 2, 3)
-_ALONG_1_3 = (0, 1, 3, 1, 2, 3)
+# The corners of the triangles of a quad that is cut from 0 to 2, and of one that is cut from 1 to 3.
+_PATTERNS = np.array([[(0, 1, 2), (0, 2, 3)], [(0, 1, 3), (1, 2, 3)]], np.int64)
 
 # Quads at a time: so many that their coordinates stay in the cache.
 _CHUNK = 8192
@@ -40,8 +40,9 @@ class Triangles(NamedTuple):
 def triangulate(mesh: Mesh) -> Triangles:
     """The triangles of a mesh: k − 2 for each face of k corners.
 
-    Faces may be concave. A quad is cut along the diagonal that lies inside it, the shorter one where both do; larger
-    polygons by clipping ears in the projection along Newell's normal. No vertex is added, moved or left out;
+    Faces may be concave. A quad is cut along the diagonal that lies inside it; where both do along the shorter one,
+    unless the only other face at one of its corners shares both edges there and has that diagonal too. Larger polygons
+    are cut by clipping ears in the projection along Newell's normal. No vertex is added, moved or left out;
     collinear and repeated points give triangles without area, and a face that crosses itself still gives
     k − 2 triangles whose signed areas add up to the face's. A mesh of triangles is passed on without copying.
     """
@@ -56,9 +57,8 @@ def triangulate(mesh: Mesh) -> Triangles:
     for size in (3, 4):
         chosen = np.flatnonzero(sizes == size)
         if len(chosen):
-            own = starts[chosen, None] + np.arange(size)
-            cut = own[:, None] if size == 3 else _cut_quads(mesh.vertices, mesh.indices, own)
-            corners[first[chosen, None] + np.arange(size - 2)] = cut
+            patterns = _PATTERNS[0, :1] if size == 3 else _PATTERNS[_cuts(mesh, chosen)]
+            corners[first[chosen, None] + np.arange(size - 2)] = starts[chosen, None, None] + patterns
     large = np.flatnonzero(sizes > 4)
     if len(large):
         _clip_polygons(mesh, large, first, corners)
@@ -75,15 +75,43 @@ def _as_they_are(mesh: Mesh) -> Triangles:
     )
 
 
-def _cut_quads(vertices: Points, indices: npt.NDArray[np.int32], own: Corners) -> Corners:
-    """(q, 2, 3) corners of the two triangles of each quad, whose corners are `own`, (q, 4)."""
-    corners = np.empty((len(own), 2, 3), np.int64)
-    for start in range(0, len(own), _CHUNK):
-        chunk = own[start : start + _CHUNK]
-        along_1_3 = _cut_along_1_3(_unit_sized(vertices[indices[chunk]]))
-        pattern = np.where(along_1_3, *(np.array(p, np.int64)[:, None] for p in (_ALONG_1_3, _ALONG_0_2)))
-        corners[start : start + _CHUNK] = np.take_along_axis(chunk, pattern.T, axis=1).reshape(-1, 2, 3)
-    return corners
+def _cuts(mesh: Mesh, quads: Corners) -> npt.NDArray[np.int8]:
+    """(q,) whether quads are cut from their corner 0 to 2, 0, or from 1 to 3, 1."""
+    cut, is_free = np.empty(len(quads), np.int8), np.empty(len(quads), np.bool_)
+    for start in range(0, len(quads), _CHUNK):
+        part = slice(start, start + _CHUNK)
+        own = mesh.offsets[quads[part], None] + np.arange(4)
+        cut[part], is_free[part] = _shorter_inside(_unit_sized(mesh.vertices[mesh.indices[own]]))
+    _part_twins(mesh, quads, cut, is_free)
+    return cut
+
+
+def _part_twins(mesh: Mesh, quads: Corners, cut: npt.NDArray[np.int8], is_free: npt.NDArray[np.bool_]) -> None:
+    """Change cuts that would join two vertices which another face joins too, where that face and the quad are the only
+    ones at a vertex and share both of its edges."""
+    thin = np.bincount(mesh.indices) == 2
+    if not thin.any():
+        return
+    at = np.flatnonzero(thin[mesh.indices])
+    pairs = at[np.argsort(mesh.indices[at], kind="stable")].reshape(-1, 2)
+    face = np.searchsorted(mesh.offsets, pairs, side="right") - 1
+    first, size = mesh.offsets[face], mesh.face_sizes[face]
+    corner = pairs - first
+    before = mesh.indices[first + (corner - 1) % size]
+    after = mesh.indices[first + (corner + 1) % size]
+    twins = ((before == before[:, ::-1]) & (after == after[:, ::-1])) | (before == after[:, ::-1])
+    chosen = np.flatnonzero(twins.all(axis=1) & (size <= 4).all(axis=1) & (face[:, 0] != face[:, 1]))
+    if len(chosen) == 0:
+        return
+    is_quad, quad = size[chosen] == 4, np.searchsorted(quads, face[chosen])
+    quad[~is_quad] = 0
+    # The diagonal past corner 0 or 2 is that from 1 to 3. A triangle has its third side there.
+    past = (1 - corner[chosen] % 2).astype(np.int8)
+    joins = (cut[quad] == past) | ~is_quad
+    movable = is_quad & is_free[quad]
+    later = movable[:, 1].astype(np.int64)
+    rows = np.flatnonzero(joins.all(axis=1) & movable.any(axis=1))
+    cut[quad[rows, later[rows]]] = 1 - past[rows, later[rows]]
 
 
 def _unit_sized(quads: Points) -> Points:
@@ -96,8 +124,8 @@ def _unit_sized(quads: Points) -> Points:
     return scaled
 
 
-def _cut_along_1_3(p: Points) -> npt.NDArray[np.bool_]:
-    """(q,) whether a quad is cut from its corner 1 to 3, rather than from 0 to 2.
+def _shorter_inside(p: Points) -> tuple[npt.NDArray[np.bool_], npt.NDArray[np.bool_]]:
+    """(q,) whether quads are best cut from corner 1 to 3, rather than from 0 to 2; and whether both are possible.
 
     A diagonal lies inside where both of its triangles turn as the whole quad does.
     """
@@ -107,8 +135,8 @@ def _cut_along_1_3(p: Points) -> npt.NDArray[np.bool_]:
     turn = [_dot(_cross(edges[:, k - 1], edges[:, k]), normal) for k in range(4)]
     inside_0_2, inside_1_3 = np.minimum(turn[1], turn[3]), np.minimum(turn[0], turn[2])
     shorter = _dot(odd, odd) < _CLEARLY * _dot(even, even)
-    cut: npt.NDArray[np.bool_] = np.where((inside_0_2 > 0) & (inside_1_3 > 0), shorter, inside_1_3 > inside_0_2)
-    return cut
+    both: npt.NDArray[np.bool_] = (inside_0_2 > 0) & (inside_1_3 > 0)
+    return np.where(both, shorter, inside_1_3 > inside_0_2), both
 
 
 def _cross(a: Points, b: Points) -> Points:
