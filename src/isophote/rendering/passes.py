@@ -9,8 +9,9 @@ its kernel fills tiles of a `Film`, each pixel up to the film's target:
 The first pass gives every pixel the same few samples. Later ones double what a pixel has at most. Without `noise` all
 pixels get the same. With it samples go where they help: the root mean square of the pixels' standard errors σ / √n is
 least, for so many samples in all, where n is in proportion to σ. A pixel's σ is told by the samples that it and its
-neighbours had before the pass, and by nothing else: so neither threads nor tiles change a picture, and a pixel whose
-first samples missed all light is not given up while its neighbours saw some.
+neighbours had before the pass, and by nothing else. So neither threads nor tiles change a picture, and a pixel whose
+first samples missed all light is not given up while its neighbours saw some. That pixels which saw little by chance
+stop early makes pictures darker nevertheless, by far less than their noise (docs/design/sampling.md).
 """
 
 from __future__ import annotations
@@ -108,6 +109,8 @@ def _next_targets(film: Film, limits: Limits) -> bool:
 def _wanted(film: Film, noise: float) -> npt.NDArray[np.float64]:
     """(h, w): samples for a root mean square error of `noise` times the mean with the fewest samples in all."""
     level = float((film.mean() @ LUMINANCE).mean())
+    if not level > 0:
+        return film.count.astype(np.float64)
     loss = np.maximum(film.count, 1) / film.effective_count()
     deviation = np.sqrt(_blurred(film.sample_variance() @ LUMINANCE * loss))
     wanted = np.ceil(deviation * deviation.mean() / (noise * level) ** 2)
