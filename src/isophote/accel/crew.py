@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from typing import Any, TypeAlias
+
+from isophote.machine import processors
 
 __all__ = ["GRAIN", "Run", "crew", "ranges"]
 
@@ -21,7 +22,7 @@ Run: TypeAlias = Callable[[Callable[..., Any], Iterable[tuple[Any, ...]]], list[
 def crew(threads: int | None, count: int) -> Iterator[Run]:
     """A function that calls another once for each tuple of arguments, on `threads` threads where it is worth it."""
     if threads is None:
-        threads = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+        threads = processors()
     if threads == 1 or count < GRAIN // 4:
         yield lambda function, jobs: [function(*job) for job in jobs]
         return

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, NamedTuple, TypeAlias
@@ -14,6 +13,7 @@ from isophote.kernels.accel.field_build import AMBIGUOUS, PARENT, open_cells, sp
 from isophote.kernels.accel.field_layout import CHILDREN, EMPTY, FIRST_TAPE, NODE
 from isophote.kernels.forms.opcodes import INPUTS, ROW
 from isophote.kernels.forms.tape_interval import REGION_SLOT
+from isophote.machine import processors
 
 __all__ = ["FieldTree", "build_field_tree", "warm_field_trees"]
 
@@ -114,7 +114,7 @@ def build_field_tree(rows: Ints, data: Longs, low: Floats, side: float, threads:
     unused, first = np.zeros((1, NODE), np.int32), np.zeros((1, CHILDREN), np.int64)
     nodes, finer = [unused], [first]
     first_node, depth = 1, 0
-    with ThreadPoolExecutor(threads or _processors()) as executor:
+    with ThreadPoolExecutor(threads or processors()) as executor:
         if len(rows) <= _SHORT:
             first[0, 0] = _open_cells(executor, store, data, level, (low, np.float32(side / 4), margin))[0]
             return FieldTree(FIRST_TAPE, unused.reshape(-1), first.reshape(-1), store.all_tapes(), rows, 0)
@@ -257,8 +257,3 @@ def _split(
         marks,
     )
     return _Split(states, child_tapes, out[: written * ROW].reshape(-1, ROW).copy(), out_tapes[:found].copy())
-
-
-def _processors() -> int:
-    """Processors that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

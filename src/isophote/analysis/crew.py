@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
-__all__ = ["pieces", "processors", "run"]
+from isophote.machine import processors
 
-
-def processors() -> int:
-    """How many processors this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+__all__ = ["pieces", "run"]
 
 
 def run(function: Callable[..., Any], jobs: Iterable[tuple[Any, ...]]) -> list[Any]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
@@ -18,6 +17,7 @@ from isophote.errors import GeometryError
 from isophote.kernels.base.table import Packed
 from isophote.kernels.measure import contour_brick, contour_regions
 from isophote.kernels.measure.contour_tables import BRICK
+from isophote.machine import processors
 from isophote.progress import Reporter
 from isophote.shapes.field.evaluate import packed_data
 from isophote.shapes.field.field import Field
@@ -83,7 +83,7 @@ def _check_memory(grid: Grid, bricks: int, memory: float) -> None:
 def _crew(threads: int | None) -> Iterator[Spread]:
     """A function that calls another for each tuple of arguments and gives the results in their order."""
     if threads is None:
-        threads = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+        threads = processors()
     if threads == 1:
         yield lambda function, jobs: (function(*job) for job in jobs)
         return

@@ -16,7 +16,8 @@ from isophote.kernels.forms.regions import REGIONS
 from isophote.kernels.forms.tape import LANES
 from isophote.kernels.forms.tape_entries import pack_interpreters
 from isophote.kernels.forms.tape_interval import REGION_SLOT
-from isophote.shapes.field.evaluate import packed_data, processors, scratch, values
+from isophote.machine import processors
+from isophote.shapes.field.evaluate import packed_data, scratch, values
 from isophote.shapes.field.field2 import Field2
 from isophote.shapes.field.form import Form
 from isophote.shapes.field.kept import Kept

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import threading
 import time
 from collections.abc import Callable, Sequence
@@ -10,6 +9,7 @@ from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from typing import NamedTuple, TypeVar
 
 from isophote.errors import RenderError
+from isophote.machine import processors
 
 __all__ = ["Pool", "Tile", "tiles_of"]
 
@@ -48,7 +48,7 @@ class Pool:
     def __init__(self, threads: int | None = None, deadline: float | None = None) -> None:
         if threads is not None and threads < 1:
             raise RenderError(f"threads must be 1 or more, not {threads}")
-        self.threads = threads or _processors()
+        self.threads = threads or processors()
         self.deadline = deadline
         self._stopped = threading.Event()
 
@@ -100,8 +100,3 @@ class Pool:
                     self.stop()
                     raise
         done(finished)
-
-
-def _processors() -> int:
-    """Processors that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -9,10 +9,11 @@ import numpy as np
 import numpy.typing as npt
 
 from isophote.analysis.arrays import read_only
-from isophote.analysis.crew import pieces, processors, run
+from isophote.analysis.crew import pieces, run
 from isophote.errors import GeometryError
 from isophote.kernels.measure import stars as kernels
 from isophote.kernels.measure.pieces import repeats
+from isophote.machine import processors
 from isophote.shapes.mesh import Mesh
 
 __all__ = ["Faces", "Stars", "as_mesh", "gather", "pick_sound_faces", "twins"]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, NamedTuple
@@ -13,12 +12,13 @@ import numpy.typing as npt
 from isophote.errors import GeometryError
 from isophote.kernels.forms import opcodes
 from isophote.kernels.forms.opcodes import GRADIENTS, INTERVALS, VALUES
+from isophote.machine import processors
 from isophote.shapes.field.data import GridData, MeshData, OutlineData
 from isophote.shapes.field.form import Form
 from isophote.shapes.field.kept import Kept
 from isophote.shapes.field.tape import Tape, numpy_values, sharing_slots, tape_of
 
-__all__ = ["gradients", "packed_data", "processors", "scratch", "values"]
+__all__ = ["gradients", "packed_data", "scratch", "values"]
 
 Singles = npt.NDArray[np.float32]
 
@@ -161,8 +161,3 @@ def _on_all(kernel: Callable[..., Any], tape: _Prepared, points: npt.NDArray[Any
     with ThreadPoolExecutor(threads) as pool:
         for job in [pool.submit(work, first, min(first + step, count)) for first in range(0, count, step)]:
             job.result()
-
-
-def processors() -> int:
-    """Processors that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
