@@ -30,6 +30,7 @@ __all__ = [
     "accelerator_of",
     "blocks_of",
     "build_accelerator",
+    "padded_slots",
 ]
 
 FloatArray: TypeAlias = npt.NDArray[np.float32]
@@ -78,9 +79,10 @@ class Accelerator:
 _HOMES = {
     "brute": ("brute", "BRUTE_FORCE"),
     "bvh": ("tree_accelerator", "BVH"),
+    "grid": ("grid", "GRID_OF_GRIDS"),
     "kdtree": ("kdtree", "KDTREE"),
 }
-ACCELERATORS = ("bvh", "kdtree")
+ACCELERATORS = ("bvh", "grid", "kdtree")
 REFERENCE = "brute"
 """Brute force, by which the others are tested."""
 
@@ -115,3 +117,14 @@ def blocks_of(positions: FloatArray, triangles: IntArray, slots: IntArray, threa
     with crew(threads, len(slots)) as run:
         run(fill_blocks, [(*flat, *piece) for piece in ranges(0, len(slots))])
     return blocks
+
+
+def padded_slots(counts: IntArray, references: IntArray) -> tuple[IntArray, IntArray]:
+    """Slots for lists of triangles, `counts` (k,) of the `references` each, every list beginning a block: the number of
+    each list's first block, and the slots, with −1 in those that are left over."""
+    ends = np.cumsum(-(-counts // LANES))
+    starts = (ends - -(-counts // LANES)).astype(np.int32)
+    slots = np.full(int(ends[-1]) * LANES if len(ends) else 0, -1, np.int32)
+    within = np.arange(len(references)) - np.repeat(np.cumsum(counts) - counts, counts)
+    slots[np.repeat(starts.astype(np.int64) * LANES, counts) + within] = references
+    return starts, slots

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from isophote.accel.accelerator import Accelerator, Built, blocks_of
+from isophote.accel.accelerator import Accelerator, Built, blocks_of, padded_slots
 from isophote.accel.crew import Run, crew, ranges
 from isophote.kernels.accel.kd_build import TASK, grow, triangle_events
 from isophote.kernels.accel.kd_entry import any_in_kd, closest_in_kd
@@ -78,15 +78,14 @@ def _table(nodes: IntArray, bounds: FloatArray) -> Any:
 
 def _events(run: Run, flat: tuple[FloatArray, IntArray], count: int) -> tuple[Keys, list[int]]:
     """All triangles' events, those of each axis sorted, one axis after another; how many each axis has."""
-    rows = np.empty((3, 2 * count), np.uint64)
+    rows = np.empty(6 * count, np.uint64)
     pieces = list(ranges(0, count))
     found = np.zeros((len(pieces), 3), np.int64)
     run(triangle_events, [(*flat, rows, found[i], *piece) for i, piece in enumerate(pieces)])
 
     def gather(axis: int) -> Keys:
-        keys = np.concatenate(
-            [rows[axis, 2 * p[0] : 2 * p[0] + n] for p, n in zip(pieces, found[:, axis], strict=True)]
-        )
+        own = rows[2 * count * axis : 2 * count * (axis + 1)]
+        keys = np.concatenate([own[2 * p[0] : 2 * p[0] + n] for p, n in zip(pieces, found[:, axis], strict=True)])
         keys.sort()
         return keys
 
@@ -139,17 +138,11 @@ def _joined(top: _Subtree, parts: list[_Subtree]) -> tuple[IntArray, IntArray]:
 
 
 def _into_blocks(nodes: IntArray, references: IntArray) -> IntArray:
-    """Slots of blocks that hold the references of each leaf, which begin a block of their own; the leaves' first words
-    become the numbers of their first blocks."""
+    """Slots of blocks that hold the references of each leaf; the leaves' first words become the numbers of their first
+    blocks."""
     leaves = np.flatnonzero((nodes[:, 1] & 3) == LEAF)
     leaves = leaves[np.argsort(nodes[leaves, 0], kind="stable")]
-    counts = nodes[leaves, 1] >> 2
-    ends = np.cumsum(-(-counts // LANES))
-    starts = ends - -(-counts // LANES)
-    nodes[leaves, 0] = starts
-    slots = np.full(int(ends[-1]) * LANES, -1, np.int32)
-    within = np.arange(len(references)) - np.repeat(np.cumsum(counts) - counts, counts)
-    slots[np.repeat(starts * LANES, counts) + within] = references
+    nodes[leaves, 0], slots = padded_slots(nodes[leaves, 1] >> 2, references)
     return slots
 
 

@@ -19,6 +19,7 @@ from isophote.kernels.accel.layout import (
     MAX_BLOCKS,
     MAX_DEPTH,
     NODE,
+    REACH,
     UPPER,
     WIDTH,
 )
@@ -88,7 +89,7 @@ def build_triangles(positions: npt.ArrayLike, triangles: npt.ArrayLike, threads:
         del skeleton
         blocks = np.empty(len(slots) // LANES * BLOCK, np.float32)
         run(build_wide.fill_blocks, [(points, corners, slots, blocks, *p) for p in ranges(0, len(slots))])
-    return Tree(nodes, blocks, _bounds(whole))
+    return Tree(_with_reach(nodes, whole), blocks, _bounds(whole))
 
 
 def build_boxes(lower: npt.ArrayLike, upper: npt.ArrayLike, threads: int | None = None) -> Tree:
@@ -117,7 +118,7 @@ def build_boxes(lower: npt.ArrayLike, upper: npt.ArrayLike, threads: int | None 
     with crew(threads, count) as run:
         skeleton = _grow(run, records.reshape(-1), count, whole, BOXES)
         nodes, items = _lay_out(run, skeleton, BOXES)
-    return Tree(nodes, items, _bounds(whole))
+    return Tree(_with_reach(nodes, whole), items, _bounds(whole))
 
 
 def _nothing(blocks: FloatArray | IntArray) -> Tree:
@@ -125,6 +126,11 @@ def _nothing(blocks: FloatArray | IntArray) -> Tree:
     nodes = np.zeros(NODE, np.float32)
     nodes[LOWER:UPPER], nodes[UPPER:CHILD] = np.inf, -np.inf
     return Tree(nodes, blocks, np.array([[np.inf] * 3, [-np.inf] * 3], np.float32))
+
+
+def _with_reach(nodes: FloatArray, whole: FloatArray) -> FloatArray:
+    nodes[REACH] = np.abs(_bounds(whole)).max()
+    return nodes
 
 
 def _bounds(whole: FloatArray) -> FloatArray:

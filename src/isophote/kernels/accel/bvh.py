@@ -1,8 +1,8 @@
 """Rays through a tree of eight children a node, in layout.py's memory.
 
 The test of a node is one set of vector instructions over its eight boxes. It is conservative: distances to planes
-are widened by more than their rounding error (Ize: "Robust BVH Ray Traversal", JCGT 2(2), 2013), so a box is never
-missed whose triangle the watertight test in forms/triangle.py would hit.
+are widened by more than their rounding error (Ize: "Robust BVH Ray Traversal", JCGT 2(2), 2013) and that of the test of
+triangles (spread.py), so a box is never missed whose triangle the watertight test in forms/triangle.py would hit.
 """
 
 from __future__ import annotations
@@ -11,7 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from isophote.kernels.accel.layout import CHILD, LANES, NODE, STACK, UPPER
+from isophote.kernels.accel.layout import CHILD, LANES, NODE, REACH, STACK, UPPER
+from isophote.kernels.accel.spread import LARGEST, spread_of
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.simd import (
     bits,
@@ -30,14 +31,10 @@ from isophote.kernels.base.simd import (
 )
 from isophote.kernels.forms.triangle import hit_block, shear
 
-__all__ = ["FAR_SLACK", "ORIGIN_SLACK", "TINY", "any_triangle", "closest_triangle"]
+__all__ = ["FAR_SLACK", "any_triangle", "closest_triangle", "enter_children", "slabs"]
 
 _ZERO = np.float32(0)
-_ONE = np.float32(1)
-# Least component of a direction in the slab test: smaller ones would overflow its reciprocal.
-TINY = np.float32(1e-18)
-# Rounding of o/d is at most 2^-23 |o/d|; of the whole distance a few 2^-24 of it. Both are given room to spare.
-ORIGIN_SLACK = np.float32(2.0**-21)
+# Rounding of a whole distance is a few 2^-24 of it, given room to spare.
 FAR_SLACK = np.float32(1 + 2.0**-20)
 _NO_HIT = np.int64(-1)
 
@@ -60,16 +57,17 @@ class Slabs(NamedTuple):
 
 
 @device
-def _reciprocal(d):
-    return _ONE / (d if abs(d) > TINY else (TINY if d >= _ZERO else -TINY))
+def _finite(x):
+    return max(min(x, LARGEST), -LARGEST)
 
 
 @device
-def slabs(origin, direction):
-    """The ray's `Slabs`."""
-    ix, iy, iz = _reciprocal(direction.x), _reciprocal(direction.y), _reciprocal(direction.z)
-    x, y, z = origin.x * ix, origin.y * iy, origin.z * iz
-    ex, ey, ez = abs(x) * ORIGIN_SLACK, abs(y) * ORIGIN_SLACK, abs(z) * ORIGIN_SLACK
+def slabs(origin, direction, reach):
+    """The ray's `Slabs` among boxes whose coordinates do not exceed `reach`."""
+    spread = spread_of(origin, direction, reach)
+    ix, iy, iz = spread.inverse.x, spread.inverse.y, spread.inverse.z
+    x, y, z = _finite(origin.x * ix), _finite(origin.y * iy), _finite(origin.z * iz)
+    ex, ey, ez = spread.slack.x, spread.slack.y, spread.slack.z
     return Slabs(
         np.int64(0 if ix >= _ZERO else UPPER),
         np.int64(8 if iy >= _ZERO else UPPER + 8),
@@ -113,7 +111,7 @@ def closest_triangle(nodes, blocks, root, origin, direction, t_max, stack):
     Returns (t, weight of corner 1, weight of corner 2, slot), where slot = block * LANES + lane, or -1 for none
     (t is `t_max` then). `stack` is float32 scratch of layout.SCRATCH words.
     """
-    box = slabs(origin, direction)
+    box = slabs(origin, direction, load_float(nodes, np.int64(root) * NODE + REACH))
     ray = shear(origin, direction)
     slot, weight1, weight2 = _NO_HIT, _ZERO, _ZERO
     top = np.int64(0)
@@ -182,7 +180,7 @@ def closest_triangle(nodes, blocks, root, origin, direction, t_max, stack):
 @device
 def any_triangle(nodes, blocks, root, origin, direction, t_max, stack):
     """Whether the ray meets a triangle at 0 < t < `t_max`."""
-    box = slabs(origin, direction)
+    box = slabs(origin, direction, load_float(nodes, np.int64(root) * NODE + REACH))
     ray = shear(origin, direction)
     top = np.int64(0)
     node = np.int32(root)

@@ -13,7 +13,7 @@ import numpy as np
 
 from isophote.kernels.accel.bvh import any_triangle, closest_triangle, enter_children, slabs
 from isophote.kernels.accel.contract import LIMIT, RAY_WORDS, WEIGHT1, WEIGHT2, set_ray
-from isophote.kernels.accel.layout import BLOCK, CHILD, LANES, NODE, PACKET_SCRATCH, SCRATCH, STACK
+from isophote.kernels.accel.layout import BLOCK, CHILD, LANES, NODE, PACKET_SCRATCH, REACH, SCRATCH, STACK
 from isophote.kernels.base.entry import call_entry, element_address, floats_at
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.simd import load_float, load_int, lowest_bit, store8, store_float, store_int
@@ -173,7 +173,9 @@ def push_boxes(nodes, node, origin, direction, t_max, scratch, top, near_row):
 
     `near_row` is where the scratch has WIDTH words to spare.
     """
-    entered, near = enter_children(nodes, np.int64(node) * NODE, slabs(origin, direction), t_max)
+    entered, near = enter_children(
+        nodes, np.int64(node) * NODE, slabs(origin, direction, load_float(nodes, REACH)), t_max
+    )
     store8(scratch, near_row, near)
     bottom = top
     while entered != 0:

@@ -19,7 +19,7 @@ __all__ = ["BOTH", "LOWER_SIDE", "UPPER_SIDE", "Split", "best_split", "classify"
 
 # What a leaf costs, where a step through an inner node costs 1: entering it and testing a block of triangles. By
 # measurement of rays, as all of these; docs/design/accelerators.md has the numbers.
-LEAF_COST, BLOCK_COST = 1.0, 4.0
+LEAF_COST, BLOCK_COST = 0.5, 1.6
 # Planes that cut off empty space are cheaper than they look: rays that miss leave early.
 EMPTY_SHARE = 0.8
 
@@ -114,7 +114,8 @@ def best_split(events, begin, counts, triangles, box):
 
 @device
 def classify(events, begin, counts, split, sides):
-    """Write the side of each of a node's triangles to `sides`, at the triangle's number."""
+    """Write the side of each of a node's triangles to `sides`, at the triangle's number; return where the events on the
+    split's axis begin."""
     at = begin
     for axis in range(split.axis):
         at += counts[axis]
@@ -134,3 +135,4 @@ def classify(events, begin, counts, split, sides):
             sides[triangle] = LOWER_SIDE
         else:
             sides[triangle] = UPPER_SIDE
+    return at

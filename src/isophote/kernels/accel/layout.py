@@ -2,7 +2,8 @@
 
 A node has `WIDTH` children and fills `NODE` words: for each of x, y, z the lower bounds of all children, then
 for each axis the upper bounds, then one int32 a child. Missing children have the box (+inf, -inf), which no ray
-enters. A child's code is
+enters. The last words are free but for word `REACH` of a tree's root: the largest size of a coordinate in the tree, by
+which rays are widened (spread.py). A child's code is
 
     code >= 0    the number of another node
     code <  0    a leaf: -1 - code = first * 8 + count, `count` (1 to 7) consecutive blocks from `first` on
@@ -19,6 +20,7 @@ NODE = 64
 LOWER = 0
 UPPER = 24
 CHILD = 48
+REACH = 56
 
 LANES = 4
 BLOCK = 40

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from isophote.kernels.accel.bvh import FAR_SLACK, ORIGIN_SLACK, TINY
+from isophote.kernels.accel.bvh import FAR_SLACK
 from isophote.kernels.accel.layout import (
     BLOCK,
     CHILD,
@@ -25,15 +25,16 @@ from isophote.kernels.accel.layout import (
     PACKET,
     PACKET_NEAR,
     PACKET_STACK,
+    REACH,
     UPPER,
     WIDTH,
 )
+from isophote.kernels.accel.spread import LARGEST, LEAST_SHARE, PLACE_SLACK, TINY
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.simd import (
     absolute,
     as_float,
     bits,
-    exact_product_difference,
     largest,
     least,
     load8,
@@ -51,6 +52,7 @@ from isophote.kernels.base.simd import (
     store_float,
     store_int,
 )
+from isophote.kernels.base.simd_product import product_difference
 
 __all__ = [
     "DIRECTIONS",
@@ -89,12 +91,25 @@ def _row(scratch, row):
 
 
 @device
-def _reciprocals(d):
-    """1/d lane by lane, with tiny components made large enough for it (bvh.py)."""
-    tiny = splat16(TINY)
+def _reciprocals(d, smallest):
+    """1/d lane by lane, with smaller components made large enough for it (spread.py)."""
     zero = splat16(_ZERO)
-    safe = select(absolute(d) > tiny, d, select(d >= zero, tiny, zero - tiny))
+    safe = select(absolute(d) > smallest, d, select(d >= zero, smallest, zero - smallest))
     return splat16(_ONE) / safe
+
+
+@device
+def _largest_of(scratch, row):
+    """The largest size of three rows, lane by lane."""
+    return maximum(
+        absolute(_row(scratch, row)), maximum(absolute(_row(scratch, row + 1)), absolute(_row(scratch, row + 2)))
+    )
+
+
+@device
+def _finite(x):
+    widest = splat16(LARGEST)
+    return maximum(minimum(x, widest), splat16(_ZERO) - widest)
 
 
 class _Packet(NamedTuple):
@@ -134,10 +149,11 @@ class _Interval(NamedTuple):
 
 
 @device
-def _axis_interval(origin, inverse, offset):
-    """(signs agree, near offset, near origin, far origin, least and largest 1/d) of one axis."""
+def _axis_interval(origin, inverse, offset, place):
+    """(signs agree, near offset, near origin, far origin, least and largest 1/d) of one axis; `place`: how uncertain
+    places are."""
     low, high = least(inverse), largest(inverse)
-    first, last = least(origin), largest(origin)
+    first, last = least(origin) - place, largest(origin) + place
     up = low > _ZERO
     agree = 1 if (up or high < _ZERO) else 0
     near = np.int64(offset) if up else np.int64(offset + UPPER)
@@ -145,10 +161,10 @@ def _axis_interval(origin, inverse, offset):
 
 
 @device
-def _interval(scratch, ix, iy, iz):
-    ax, nx, onx, ofx, lx, hx = _axis_interval(_row(scratch, ORIGINS), ix, np.int64(0))
-    ay, ny, ony, ofy, ly, hy = _axis_interval(_row(scratch, ORIGINS + 1), iy, np.int64(WIDTH))
-    az, nz, onz, ofz, lz, hz = _axis_interval(_row(scratch, ORIGINS + 2), iz, np.int64(2 * WIDTH))
+def _interval(scratch, ix, iy, iz, place):
+    ax, nx, onx, ofx, lx, hx = _axis_interval(_row(scratch, ORIGINS), ix, np.int64(0), place)
+    ay, ny, ony, ofy, ly, hy = _axis_interval(_row(scratch, ORIGINS + 1), iy, np.int64(WIDTH), place)
+    az, nz, onz, ofz, lz, hz = _axis_interval(_row(scratch, ORIGINS + 2), iz, np.int64(2 * WIDTH), place)
     return _Interval(ax & ay & az, nx, ny, nz, onx, ony, onz, ofx, ofy, ofz, lx, ly, lz, hx, hy, hz)
 
 
@@ -250,9 +266,9 @@ def _hit_triangle(blocks, at, kx, ky, kz, scratch):
     ay = (_corner(blocks, at, ky) - oy) - sy * az
     by = (_corner(blocks, at + step, ky) - oy) - sy * bz
     cy = (_corner(blocks, at + 2 * step, ky) - oy) - sy * cz
-    u = exact_product_difference(cx, by, cy, bx)
-    v = exact_product_difference(ax, cy, ay, cx)
-    w = exact_product_difference(bx, ay, by, ax)
+    u = product_difference(cx, by, cy, bx)
+    v = product_difference(ax, cy, ay, cx)
+    w = product_difference(bx, ay, by, ax)
     zero = splat16(_ZERO)
     inside = (minimum(u, minimum(v, w)) >= zero) | (maximum(u, maximum(v, w)) <= zero)
     scale = splat16(_ONE) / (u + v + w)
@@ -284,8 +300,8 @@ def _hit_leaf(blocks, first, count, axes, scratch):
 
 
 @device
-def _prepare(scratch, axis):
-    """Shear rows in scratch; axes, planes and interval of the packet."""
+def _prepare(scratch, axis, reach):
+    """Shear rows in scratch; axes, planes and interval of the packet among boxes of coordinates up to `reach`."""
     kz = np.int64(axis)
     kx = kz + 1 if kz < 2 else np.int64(0)
     ky = kx + 1 if kx < 2 else np.int64(0)
@@ -293,14 +309,17 @@ def _prepare(scratch, axis):
     store16(scratch, _SHEARS * PACKET, _row(scratch, DIRECTIONS + kx) * sz)
     store16(scratch, (_SHEARS + 1) * PACKET, _row(scratch, DIRECTIONS + ky) * sz)
     store16(scratch, (_SHEARS + 2) * PACKET, sz)
-    ix = _reciprocals(_row(scratch, DIRECTIONS))
-    iy = _reciprocals(_row(scratch, DIRECTIONS + 1))
-    iz = _reciprocals(_row(scratch, DIRECTIONS + 2))
-    x, y, z = _row(scratch, ORIGINS) * ix, _row(scratch, ORIGINS + 1) * iy, _row(scratch, ORIGINS + 2) * iz
-    slack = splat16(ORIGIN_SLACK)
-    ex, ey, ez = absolute(x) * slack, absolute(y) * slack, absolute(z) * slack
+    smallest = maximum(_largest_of(scratch, DIRECTIONS) * splat16(LEAST_SHARE), splat16(TINY))
+    ix = _reciprocals(_row(scratch, DIRECTIONS), smallest)
+    iy = _reciprocals(_row(scratch, DIRECTIONS + 1), smallest)
+    iz = _reciprocals(_row(scratch, DIRECTIONS + 2), smallest)
+    x = _finite(_row(scratch, ORIGINS) * ix)
+    y = _finite(_row(scratch, ORIGINS + 1) * iy)
+    z = _finite(_row(scratch, ORIGINS + 2) * iz)
+    place = _finite(maximum(_largest_of(scratch, ORIGINS), splat16(reach)) * splat16(PLACE_SLACK))
+    ex, ey, ez = _finite(place * absolute(ix)), _finite(place * absolute(iy)), _finite(place * absolute(iz))
     packet = _Packet(ix, iy, iz, x + ex, y + ey, z + ez, x - ex, y - ey, z - ez)
-    return (kx, ky, kz), packet, _interval(scratch, ix, iy, iz)
+    return (kx, ky, kz), packet, _interval(scratch, ix, iy, iz, largest(place))
 
 
 @device
@@ -310,7 +329,7 @@ def closest_packet(nodes, blocks, axis, scratch):
     Rows of origins, directions and limits are read; t, weights and slots (int32) are left in the rows LIMIT, WEIGHT1,
     WEIGHT2 and SLOT; slot −1 where a ray meets nothing before its limit. A negative limit switches a lane off.
     """
-    axes, packet, interval = _prepare(scratch, axis)
+    axes, packet, interval = _prepare(scratch, axis, load_float(nodes, REACH))
     store16(scratch, SLOT * PACKET, splat16(as_float(_NO_HIT)))
     bound = largest(_row(scratch, LIMIT))
     base = np.int64(PACKET_STACK)
@@ -335,7 +354,7 @@ def closest_packet(nodes, blocks, axis, scratch):
 @device
 def any_packet(nodes, blocks, axis, scratch):
     """Which of the packet's rays meet anything before their limit: bit k for lane k; see closest_packet."""
-    axes, packet, interval = _prepare(scratch, axis)
+    axes, packet, interval = _prepare(scratch, axis, load_float(nodes, REACH))
     kx, ky, kz = axes
     blocked = np.int32(0)
     bound = largest(_row(scratch, LIMIT))

@@ -13,14 +13,16 @@ import numpy as np
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.vec import vec3
 
-__all__ = ["Spread", "box_interval", "spread_of"]
+__all__ = ["LARGEST", "LEAST_SHARE", "PLACE_SLACK", "TINY", "Spread", "box_interval", "spread_of"]
 
 _ZERO, _ONE = np.float32(0), np.float32(1)
-# Eight units in the last place of the largest coordinate: the test's error, and that of distances to planes.
-_PLACE_SLACK = np.float32(2.0**-21)
-# Least component of a direction: smaller ones would overflow its reciprocal.
-_TINY = np.float32(1e-18)
-_LARGEST = np.float32(1e37)
+# Sixteen roundings of the largest coordinate: the test's, and those of distances to planes.
+PLACE_SLACK = np.float32(2.0**-20)
+# Least component of a direction, in parts of the largest: a ray that is turned by less stays within its slack as far as
+# things are about. And the least of all, for its reciprocal.
+LEAST_SHARE, TINY = np.float32(2.0**-24), np.float32(1e-18)
+# Distances and slacks are not infinite: infinity less infinity would be NaN.
+LARGEST = np.float32(1e37)
 
 
 class Spread(NamedTuple):
@@ -32,19 +34,19 @@ class Spread(NamedTuple):
 
 
 @device
-def _inverse(d):
-    return _ONE / (d if abs(d) > _TINY else (_TINY if d >= _ZERO else -_TINY))
+def _inverse(d, smallest):
+    return _ONE / (d if abs(d) > smallest else (smallest if d >= _ZERO else -smallest))
 
 
 @device
 def spread_of(origin, direction, reach):
     """The ray's `Spread` among things whose coordinates do not exceed `reach`."""
     most = max(reach, max(abs(origin.x), max(abs(origin.y), abs(origin.z))))
-    place = min(most * _PLACE_SLACK * np.float32(2), _LARGEST)
-    x, y, z = _inverse(direction.x), _inverse(direction.y), _inverse(direction.z)
-    # Not infinite: infinity less infinity would be NaN.
-    sx, sy, sz = min(place * abs(x), _LARGEST), min(place * abs(y), _LARGEST), min(place * abs(z), _LARGEST)
-    return Spread(origin, vec3(x, y, z), vec3(sx, sy, sz))
+    place = min(most * PLACE_SLACK, LARGEST)
+    smallest = max(max(abs(direction.x), max(abs(direction.y), abs(direction.z))) * LEAST_SHARE, TINY)
+    x, y, z = _inverse(direction.x, smallest), _inverse(direction.y, smallest), _inverse(direction.z, smallest)
+    slack = vec3(min(place * abs(x), LARGEST), min(place * abs(y), LARGEST), min(place * abs(z), LARGEST))
+    return Spread(origin, vec3(x, y, z), slack)
 
 
 @device

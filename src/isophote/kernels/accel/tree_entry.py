@@ -20,7 +20,7 @@ from isophote.kernels.accel.contract import (
     ray_direction,
     ray_origin,
 )
-from isophote.kernels.accel.layout import BLOCK, CHILD, LANES, NODE, NUMBER
+from isophote.kernels.accel.layout import BLOCK, CHILD, LANES, NODE, NUMBER, REACH
 from isophote.kernels.base.entry import entry, floats_at, opener_at
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.simd import load_float, load_int, lowest_bit, store8, store_float, store_int
@@ -37,6 +37,11 @@ open_tree = opener_at(TREE)
 _NEAR, _STACK = np.int64(STACK), np.int64(STACK + 8)
 _ENTRY = np.int64(3)
 _MOST_BLOCK_WORDS = np.int64(1) << np.int64(40)
+
+
+@device
+def _reach_of(tree):
+    return load_float(tree.nodes, tree.root * NODE + REACH)
 
 
 @device
@@ -78,7 +83,7 @@ def closest_in_tree(tables, blocks, ray):
     tree, words = open_tree(tables), ray_at(ray)
     triangles = floats_at(blocks, _MOST_BLOCK_WORDS)
     origin, direction = ray_origin(words), ray_direction(words)
-    box, sheared = slabs(origin, direction), shear(origin, direction)
+    box, sheared = slabs(origin, direction, _reach_of(tree)), shear(origin, direction)
     nearest = nearest_of(words)
     visited, tested, deepest, level = np.int64(0), np.int64(0), np.int64(0), np.int64(0)
     top = _STACK
@@ -109,7 +114,7 @@ def any_in_tree(tables, blocks, ray):
     tree, words = open_tree(tables), ray_at(ray)
     triangles = floats_at(blocks, _MOST_BLOCK_WORDS)
     origin, direction = ray_origin(words), ray_direction(words)
-    box, sheared = slabs(origin, direction), shear(origin, direction)
+    box, sheared = slabs(origin, direction, _reach_of(tree)), shear(origin, direction)
     limit = nearest_of(words).t
     visited, tested, deepest = np.int64(0), np.int64(0), np.int64(0)
     met = np.int64(0)

@@ -2,8 +2,9 @@
 
 Woop, Benthin, Wald: "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013. The ray is sheared onto its longest
 axis; the three edge functions of the sheared corners say whether it passes inside. Two triangles that share an
-edge compute the same sheared corners and, since products are rounded one by one, edge functions of opposite sign,
-so that a ray cannot pass between them: a rounded edge function is never of the wrong sign, only ever zero.
+edge compute the same sheared corners and edge functions of opposite sign, so that a ray cannot pass between them: an
+edge function has the sign that exact arithmetic on these corners gives, and is zero only where that is. Where rounding
+could make it zero, a ray would meet triangles far from it that it only sees edge-on.
 """
 
 from __future__ import annotations
@@ -14,14 +15,8 @@ import numpy as np
 
 from isophote.kernels.accel.layout import BLOCK, LANES
 from isophote.kernels.base.jit import device
-from isophote.kernels.base.simd import (
-    bits,
-    exact_product_difference,
-    load4,
-    maximum,
-    minimum,
-    splat4,
-)
+from isophote.kernels.base.simd import bits, load4, maximum, minimum, splat4
+from isophote.kernels.base.simd_product import product_difference
 
 __all__ = ["Shear", "hit_block", "shear"]
 
@@ -50,14 +45,13 @@ def _component(v, k):
 
 @device
 def shear(origin, direction):
-    """The ray's `Shear`; its x and y change places where the ray runs down its longest axis, to keep winding."""
+    """The ray's `Shear`. Triangles are met from both sides, so it need not keep winding: a ray's x, y, z and those of
+    sixteen in accel/packet.py are in one order, and so are their roundings."""
     ax, ay, az = abs(direction.x), abs(direction.y), abs(direction.z)
     kz = 0 if (ax >= ay and ax >= az) else (1 if ay >= az else 2)
     kx = kz + 1 if kz < 2 else 0
     ky = kx + 1 if kx < 2 else 0
     along = _component(direction, kz)
-    if along < _ZERO:
-        kx, ky = ky, kx
     sz = _ONE / along
     return Shear(
         np.int64(kx),
@@ -88,9 +82,9 @@ def hit_block(blocks, block, ray, t_max):
     ay = (load4(blocks, y) - ray.oy) - ray.sy * az
     by = (load4(blocks, y + step) - ray.oy) - ray.sy * bz
     cy = (load4(blocks, y + 2 * step) - ray.oy) - ray.sy * cz
-    u = exact_product_difference(cx, by, cy, bx)
-    v = exact_product_difference(ax, cy, ay, cx)
-    w = exact_product_difference(bx, ay, by, ax)
+    u = product_difference(cx, by, cy, bx)
+    v = product_difference(ax, cy, ay, cx)
+    w = product_difference(bx, ay, by, ax)
     zero = splat4(_ZERO)
     inside = (minimum(u, minimum(v, w)) >= zero) | (maximum(u, maximum(v, w)) <= zero)
     det = u + v + w

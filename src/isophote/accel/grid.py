@@ -1,0 +1,197 @@
+"""Uniform grids of triangles, and grids within their cells, built on all cores: kernels/accel/grid_layout.py."""
+
+from __future__ import annotations
+
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from isophote.accel.accelerator import Accelerator, Built, blocks_of, padded_slots
+from isophote.accel.crew import Run, crew, ranges
+from isophote.kernels.accel.grid_build import choose_root, choose_subgrids, place_triangles, triangle_sums
+from isophote.kernels.accel.grid_entry import any_in_grid, closest_in_grid
+from isophote.kernels.accel.grid_layout import GRID, MOST_LEVELS, SLACK
+from isophote.kernels.base.table import Packed
+
+__all__ = ["GRID_OF_GRIDS"]
+
+FloatArray: TypeAlias = npt.NDArray[np.float32]
+IntArray: TypeAlias = npt.NDArray[np.int32]
+Doubles: TypeAlias = npt.NDArray[np.float64]
+Longs: TypeAlias = npt.NDArray[np.int64]
+
+# Work is cut into slabs of a grid with about so many references. Fixed: it must not depend on the number of threads.
+_SLAB = 1 << 15
+_MOST_SLABS = 8
+# Flat boxes are made thicker than so many slacks.
+_THINNEST = 4.0
+# Cells are not made narrower than so many slacks.
+_NARROWEST = 32.0
+
+
+class _Level(NamedTuple):
+    """Grids of one level: frames (g, 6), cells on x, y, z and number of the first cell (g, 4), and in which order
+    `references` are theirs: the first of each, and the end."""
+
+    frames: Doubles
+    shapes: Longs
+    starts: Longs
+    references: IntArray
+
+
+class _Filled(NamedTuple):
+    """References in the order of a level's cells, and where each cell's begin, and the end."""
+
+    references: IntArray
+    starts: Longs
+
+
+class _Geometry(NamedTuple):
+    """Flat positions and triangles, the lists' slack, and what runs jobs."""
+
+    positions: FloatArray
+    triangles: IntArray
+    slack: float
+    run: Run
+
+
+def _build(positions: FloatArray, triangles: IntArray, threads: int | None) -> Built:
+    count = len(triangles)
+    corners = positions[triangles.reshape(-1)]
+    bounds = np.stack([corners.min(axis=0, initial=np.inf), corners.max(axis=0, initial=-np.inf)]).astype(np.float32)
+    if count == 0:
+        return Built(_nothing(), np.empty(0, np.float32), bounds)
+    reach = float(np.abs(bounds).max())
+    with crew(threads, count) as run:
+        geometry = _Geometry(positions.reshape(-1), triangles.reshape(-1), max(SLACK * reach, 1e-300), run)
+        level = _root(geometry, count, bounds.astype(np.float64))
+        levels, filled, chosen = [], [], []
+        while True:
+            levels.append(level)
+            filled.append(_fill(geometry, level))
+            chosen.append(_choose(geometry, level, filled[-1], last=len(levels) == MOST_LEVELS))
+            if not (chosen[-1][:, 0] > 0).any():
+                break
+            level = _next_level(level, filled[-1], chosen[-1], geometry.slack)
+        tables, slots = _table(levels, filled, chosen, geometry.slack, reach)
+    return Built(tables, blocks_of(positions, triangles, slots, threads), bounds)
+
+
+def _nothing() -> Packed:
+    """A grid of one empty cell."""
+    frame, shape = np.array([[0.0, 0, 0, 1, 1, 1]]), np.array([[1, 1, 1, 0]], np.int64)
+    cells, lists = np.zeros(1, np.int32), np.zeros(2, np.int32)
+    return GRID.pack(frames=frame, shapes=shape, cells=cells, lists=lists, slack=1.0, reach=1.0)
+
+
+def _root(geometry: _Geometry, count: int, bounds: Doubles) -> _Level:
+    """The outermost grid, with all triangles."""
+    thinnest = _THINNEST * geometry.slack
+    middle, extents = bounds.mean(axis=0), np.maximum(bounds[1] - bounds[0], thinnest)
+    pieces = list(ranges(0, count))
+    sums = np.empty((len(pieces), 6))
+    arrays = geometry.positions, geometry.triangles
+    geometry.run(triangle_sums, [(*arrays, *piece, sums[i]) for i, piece in enumerate(pieces)])
+    shape = np.empty(3, np.int64)
+    choose_root(count, sums.sum(axis=0), extents, shape)
+    shape = np.maximum(np.minimum(shape, (extents / (_NARROWEST * geometry.slack)).astype(np.int64)), 1)
+    extents += 4 * geometry.slack
+    frame = np.concatenate([middle - extents / 2, extents / shape])
+    references = np.arange(count, dtype=np.int32)
+    return _Level(frame[None], np.append(shape, 0)[None], np.array([0, count]), references)
+
+
+def _fill(geometry: _Geometry, level: _Level) -> _Filled:
+    """The references of each cell of a level, in order: counted first, then written."""
+    jobs, spans = _jobs(level)
+    cells = int(level.shapes[-1, 3] + level.shapes[-1, :3].prod())
+    counts = np.zeros(cells, np.int64)
+    none = np.empty(0, np.int32)
+    given = geometry.positions, geometry.triangles, level.references, level.frames, level.shapes, jobs
+    geometry.run(place_triangles, [(*given, *span, geometry.slack, counts, none) for span in spans])
+    starts = np.concatenate([np.zeros(1, np.int64), np.cumsum(counts)])
+    filled = np.empty(int(starts[-1]), np.int32)
+    cursors = starts[:-1].copy()
+    geometry.run(place_triangles, [(*given, *span, geometry.slack, cursors, filled) for span in spans])
+    return _Filled(filled, starts)
+
+
+def _jobs(level: _Level) -> tuple[Longs, list[tuple[int, int]]]:
+    """Jobs of place_triangles, and ranges of them that are worth a thread's while. Jobs have cells of their own."""
+    counts = np.diff(level.starts)
+    slabs = np.minimum(np.clip(counts // _SLAB, 1, _MOST_SLABS), level.shapes[:, 2])
+    grid = np.repeat(np.arange(len(counts)), slabs)
+    number = np.arange(len(grid)) - np.repeat(np.cumsum(slabs) - slabs, slabs)
+    depth = level.shapes[grid, 2]
+    low, high = depth * number // slabs[grid], depth * (number + 1) // slabs[grid]
+    jobs = np.stack([grid, low, high, level.starts[grid], level.starts[grid + 1]], axis=1)
+    group = np.cumsum(counts[grid]) // _SLAB
+    ends = np.append(np.flatnonzero(np.diff(group)) + 1, len(jobs))
+    return jobs, list(zip([0, *ends[:-1].tolist()], ends.tolist(), strict=True))
+
+
+def _choose(geometry: _Geometry, level: _Level, filled: _Filled, *, last: bool) -> Longs:
+    """(cells, 3): the cells on x, y, z of the grid that each cell of a level should be, or 0 where it stays a list."""
+    cells = len(filled.starts) - 1
+    chosen = np.zeros((cells, 3), np.int64)
+    if not last:
+        given = geometry.positions, geometry.triangles, filled.references, filled.starts, level.frames, level.shapes
+        smallest = _NARROWEST * geometry.slack
+        jobs = []
+        for begin, end in ranges(0, cells):
+            grid = int(np.searchsorted(level.shapes[:, 3], begin, side="right")) - 1
+            jobs.append((*given, grid, begin, end, smallest, chosen))
+        geometry.run(choose_subgrids, jobs)
+    return chosen
+
+
+def _next_level(level: _Level, filled: _Filled, chosen: Longs, slack: float) -> _Level:
+    """The grids that cells of a level become."""
+    cells = np.flatnonzero(chosen[:, 0])
+    grid = np.searchsorted(level.shapes[:, 3], cells, side="right") - 1
+    frame, shape, rest = level.frames[grid], level.shapes[grid], cells - level.shapes[grid, 3]
+    place = np.stack([rest % shape[:, 0], rest // shape[:, 0] % shape[:, 1], rest // (shape[:, 0] * shape[:, 1])], 1)
+    lower, size = frame[:, :3] + place * frame[:, 3:] - 2 * slack, frame[:, 3:] + 4 * slack
+    frames = np.concatenate([lower, size / chosen[cells]], axis=1)
+    sizes = chosen[cells].prod(axis=1)
+    shapes = np.concatenate([chosen[cells], (np.cumsum(sizes) - sizes)[:, None]], axis=1)
+    counts = filled.starts[cells + 1] - filled.starts[cells]
+    starts = np.concatenate([np.zeros(1, np.int64), np.cumsum(counts)])
+    within = np.arange(starts[-1]) - np.repeat(starts[:-1], counts)
+    references = filled.references[np.repeat(filled.starts[cells], counts) + within]
+    return _Level(frames, shapes, starts, references)
+
+
+def _table(
+    levels: list[_Level], filled: list[_Filled], chosen: list[Longs], slack: float, reach: float
+) -> tuple[Packed, IntArray]:
+    """The table of all levels, and the slots of its lists."""
+    codes, shapes, kept, counts = [], [], [], [np.zeros(1, np.int32)]
+    grids, cells, lists = 1, 0, 0
+    for level, content, choice in zip(levels, filled, chosen, strict=True):
+        own = np.diff(content.starts)
+        inner = choice[:, 0] > 0
+        listed = (own > 0) & ~inner
+        code = np.zeros(len(own), np.int32)
+        code[inner] = -(grids + np.arange(inner.sum()))
+        code[listed] = 1 + lists + np.arange(listed.sum())
+        codes.append(code)
+        shapes.append(level.shapes + np.array([0, 0, 0, cells]))
+        kept.append(content.references[np.repeat(listed, own)])
+        counts.append(own[listed].astype(np.int32))
+        grids, cells, lists = grids + int(inner.sum()), cells + len(own), lists + int(listed.sum())
+    every = np.concatenate(counts)
+    firsts, slots = padded_slots(every, np.concatenate(kept))
+    tables = GRID.pack(
+        frames=np.concatenate([level.frames for level in levels]),
+        shapes=np.ascontiguousarray(np.concatenate(shapes)),
+        cells=np.concatenate(codes),
+        lists=np.stack([firsts, every], axis=1).reshape(-1),
+        slack=slack,
+        reach=reach,
+    )
+    return tables, slots
+
+
+GRID_OF_GRIDS = Accelerator("grid", _build, closest_in_grid, any_in_grid)
