@@ -162,7 +162,7 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=7)
     parser.add_argument("--count", type=int, default=2**16, help="samples a call")
     given = parser.parse_args()
-    print_machine("numba", "mitsuba")
+    print_machine(*(["mitsuba"] if find_spec("mitsuba") else []))
     theirs = peer(given.count, given.rounds)
     rows: list[list[object]] = []
     for name, found in loops(min(given.count, 2**14), given.rounds).items():

@@ -64,6 +64,12 @@ def test_startup() -> None:
     assert float(cells(output, "`import isophote`")[2]) > 0
 
 
+def test_brdf() -> None:
+    output = output_of("brdf.py", "--rounds", "1", "--count", "256")
+    assert float(cells(output, "direction, weight, density")[0]) > 0
+    assert float(cells(output, "Ward")[3]) > 0
+
+
 def test_nothing_escapes() -> None:
     output = output_of("watertight.py", "--rays", "20000", "--frequency", "8")
     assert "Escaped in all: 0" in output

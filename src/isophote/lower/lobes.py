@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from functools import singledispatch
+from functools import lru_cache, singledispatch
 from typing import Any, TypeAlias
 
-import attrs
 import numpy as np
 import numpy.typing as npt
 
-from isophote.kernels.base.entry import Entry
 from isophote.kernels.brdf import (
     ashikhmin_shirley,
     compound,
@@ -24,6 +22,7 @@ from isophote.kernels.brdf import (
     ward,
 )
 from isophote.lower.albedo import coat_table, mean_conductor, ring_chances, split_tables
+from isophote.lower.node import Node, Slot
 from isophote.scene.colour import Colour
 from isophote.scene.compound import Coated, Mix, Plastic
 from isophote.scene.gloss import AshikhminShirley, Blinn, OrenNayar, Phong, Ward
@@ -34,43 +33,11 @@ from isophote.scene.metal import Metal
 from isophote.scene.texture import Texture
 from isophote.scene.thin_glass import ThinGlass
 
-__all__ = ["Node", "Slot", "node_of"]
+__all__ = ["node_of"]
 
 Floats: TypeAlias = npt.NDArray[np.float32]
 
 _GREEN, _BLUE = 1, 2
-
-
-@attrs.frozen
-class Slot:
-    """A parameter: its value, the texture that multiplies it, and the channel of that which counts, or −1 for all."""
-
-    value: Colour
-    texture: Texture | None = None
-    channel: int = -1
-
-    @classmethod
-    def of(cls, parameter: Any) -> Slot:
-        """The slot of a colour, a number or a texture."""
-        if isinstance(parameter, Texture):
-            return cls((1.0, 1.0, 1.0), parameter)
-        if isinstance(parameter, tuple):
-            return cls(parameter)
-        return cls((float(parameter),) * 3)
-
-
-@attrs.frozen(eq=False)
-class Node:
-    """A node of a material: its entries (evaluate, sample, branch), slots, numbers in `data`, what it mixes or coats,
-    how many single directions it sends light to, whether it scatters to all others, and whether the tangent matters."""
-
-    entries: tuple[Entry, Entry, Entry | None]
-    slots: tuple[Slot, ...]
-    data: Floats | None = None
-    children: tuple[Node, ...] = ()
-    branches: int = 0
-    scatters: bool = True
-    anisotropic: bool = False
 
 
 @singledispatch
@@ -150,8 +117,7 @@ def _(material: Metal) -> Node:
 @node_of.register
 def _(material: Glass) -> Node:
     slots = _slots(material.ior, material.colour, *material.roughness)
-    # Facets of a boundary that does not bend light are not seen.
-    if _is_smooth(*material.roughness) or material.ior == 1:
+    if material.is_smooth:
         entries = conductor.evaluate_nothing, rough_glass.sample_glass, rough_glass.branch_glass
         return Node(entries, slots, branches=2, scatters=False)
     along, across = material.roughness
@@ -166,6 +132,7 @@ def _(material: ThinGlass) -> Node:
     return Node(entries, _slots(material.ior, material.colour, depth), branches=2, scatters=False)
 
 
+@lru_cache(maxsize=32)
 def _coat(ior: float, smooth: bool) -> Floats:
     """Data of kernels/brdf/coat.py."""
     return np.concatenate([np.array([ior, smooth], np.float32), coat_table(ior)])

@@ -2,26 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
-from isophote.errors import SceneError
 from isophote.kernels.base.table import Packed
-from isophote.kernels.brdf.contract import MOST_SLOTS, NODE_WORDS
 from isophote.kernels.light import bsdf, texture
 from isophote.kernels.light.bsdf import MATERIALS
 from isophote.kernels.light.texture import TEXTURES
-from isophote.kernels.trace.prepare import prepare
-from isophote.lower.lobes import Node, Slot, node_of
+from isophote.lower.node import Node, no_nodes
 from isophote.scene.colour import srgb_to_linear
 from isophote.scene.material import Emitter, Glass, Matte, Mirror, Principled
 from isophote.scene.material_base import ColourParameter, Material, shown_colour
 from isophote.scene.texture import Texture
 
-__all__ = ["MaterialTable", "emission_of"]
+__all__ = ["MaterialTable", "emission_of", "is_linked"]
 
 Floats: TypeAlias = npt.NDArray[np.float32]
 
@@ -53,12 +50,15 @@ def _row(material: Material) -> _Row:
         return _shown(bsdf.MATTE, material.colour)
     if isinstance(material, Mirror):
         return _Row(bsdf.MIRROR, material.colour, branches=1)
-    if isinstance(material, Glass) and not node_of(material).scatters:
+    if isinstance(material, Glass) and material.is_smooth:
         return _Row(bsdf.GLASS, material.colour, ior=material.ior, branches=2)
     return _linked(material)
 
 
 def _linked(material: Material) -> _Row:
+    # Loaded where there is such a material: others are drawn sooner without.
+    from isophote.lower.lobes import node_of
+
     node = node_of(material)
     row = _shown(bsdf.LINKED, shown_colour(material))._replace(branches=node.branches, node=node)
     if isinstance(material, Principled):
@@ -79,6 +79,11 @@ def emission_of(material: Material) -> tuple[tuple[float, float, float], bool]:
     """(radiance that a material emits, whether on both sides)."""
     row = _row(material)
     return row.emission, row.two_sided
+
+
+def is_linked(material: Material) -> bool:
+    """Whether the kernels of a material are not those of rendering methods, but compiled by themselves."""
+    return _row(material).kind == bsdf.LINKED
 
 
 class MaterialTable:
@@ -111,55 +116,20 @@ class MaterialTable:
             values=np.array(values, np.float32).reshape(-1, 8),
             scatters=np.array(scatters, np.int32),
             branches=np.array([row.branches for row in rows], np.int32),
-            **_Nodes(self._texture).add_all([row.node for row in rows]),
+            **self._nodes([row.node for row in rows]),
         )
         return materials, _lower_textures(tuple(self._textures))
 
+    def _nodes(self, roots: Sequence[Node | None]) -> dict[str, Any]:
+        if not any(roots):
+            return no_nodes(len(roots))
+        # As in _linked.
+        from isophote.lower.node_table import NodeTable
+
+        return NodeTable(self._texture).add_all(roots)
+
     def _texture(self, image: Texture) -> int:
         return self._textures.setdefault(image, len(self._textures))
-
-
-class _Nodes:
-    """The nodes of all materials, their slots and their data, one after another."""
-
-    def __init__(self, texture: Callable[[Texture], int]) -> None:
-        self._texture = texture
-        self._nodes: list[list[int]] = []
-        self._slots: list[Slot] = []
-        self._data: list[Floats] = [np.zeros(0, np.float32)]
-        self._size = 0
-
-    def add_all(self, roots: Sequence[Node | None]) -> dict[str, Any]:
-        """Fields of the table, for materials in their order; None where one is compiled into the tiles."""
-        spans = [(0, 0, 0, 0) if root is None else self._material(root) for root in roots]
-        codes = [(-1 if s.texture is None else self._texture(s.texture), s.channel) for s in self._slots]
-        return {
-            "prepare": prepare.address if self._nodes else 0,
-            "spans": np.array(spans, np.int32).reshape(-1, 4),
-            "nodes": np.array(self._nodes, np.int64).reshape(-1, NODE_WORDS),
-            "slot_values": np.array([s.value for s in self._slots], np.float32).reshape(-1, 3),
-            "slot_codes": np.array(codes, np.int32).reshape(-1, 2),
-            "data": np.concatenate(self._data),
-        }
-
-    def _material(self, root: Node) -> tuple[int, int, int, int]:
-        first = len(self._slots)
-        number = self._add(root, first)
-        count = len(self._slots) - first
-        if count > MOST_SLOTS:
-            raise SceneError(f"a material mixes or coats too much: {count} parameters, of {MOST_SLOTS} at most")
-        return number, first, count, int(root.anisotropic)
-
-    def _add(self, node: Node, first: int) -> int:
-        own = len(self._slots) - first
-        self._slots += node.slots
-        children = [*(self._add(child, first) for child in node.children), 0, 0][:2]
-        addresses = [0 if entry is None else entry.address for entry in node.entries]
-        self._nodes.append([*addresses, own, self._size, *children, node.branches])
-        if node.data is not None:
-            self._data.append(node.data)
-            self._size += len(node.data)
-        return len(self._nodes) - 1
 
 
 def _lower_textures(images: tuple[Texture, ...]) -> Packed:

@@ -17,6 +17,7 @@ from isophote import kernels
 from isophote.kernels.base.cache import is_compiled
 from isophote.kernels.base.table import Table
 from isophote.kernels.trace import tables, wave
+from isophote.lower.materials import is_linked
 from isophote.lower.primitive_table import primitive_of
 from isophote.progress import Reporter
 from isophote.scene.scene import Scene
@@ -110,6 +111,13 @@ def _primitives() -> None:
     surface.primitive_surface.compile()
 
 
+def _materials() -> None:
+    from isophote.kernels.trace import prepare
+
+    # Kinds as of primitives.
+    prepare.prepare.compile()
+
+
 class _Part(NamedTuple):
     """What is compiled together: file and name of the kernel that comes last, and what compiles it."""
 
@@ -128,6 +136,7 @@ _PARTS = {
     "trees": _Part("accel/build_wide.py", "fill_blocks", _trees),
     "fields": _Part("accel/field_build.py", "split_regions", _fields),
     "primitives": _Part("primitive/surface.py", "primitive_surface", _primitives),
+    "materials": _Part("trace/prepare.py", "prepare", _materials),
 }
 _KERNELS = Path(kernels.__file__ or "").parent
 _there: set[str] = set()
@@ -164,6 +173,9 @@ def warm_up(report: Reporter, scene: Scene, method: str) -> None:
     method itself here and the rest in a second process; both write to the same cache."""
     rest = [] if method == "sphere" else ["first hits"]
     rest += sorted({_part_of(item.shape, method) for item in scene.items})
+    # Sphere tracing knows matte surfaces alone.
+    if method != "sphere" and any(is_linked(item.material) for item in scene.items):
+        rest.append("materials")
     if compiled([method, *rest]):
         return
     with _counted(report):

@@ -83,6 +83,11 @@ class Glass(Material):
         default=(0.0, 0.0), converter=roughness_pair, validator=roughness, kw_only=True
     )
 
+    @property
+    def is_smooth(self) -> bool:
+        """Whether it has no facets that could be seen: no roughness, or light that goes straight on."""
+        return self.ior == 1 or all(not isinstance(part, Texture) and part == 0 for part in self.roughness)
+
     @classmethod
     def tinted(cls, colour: ColourLike, at: float, **rest: Any) -> Glass:
         """Glass through `at` metres of which white light has become `colour`; `rest` as for `Glass`.
