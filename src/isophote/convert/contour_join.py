@@ -17,7 +17,7 @@ from isophote.convert.contour_grid import Grid
 from isophote.kernels.base.table import Packed
 from isophote.kernels.measure import contour_faces, contour_faults, contour_parts
 from isophote.kernels.measure.contour_cases import CASES, COUNT_SHIFT, case_word, twice_crossed_faces
-from isophote.kernels.measure.contour_tables import BRICK, MOMENTS
+from isophote.kernels.measure.contour_tables import BRICK, MOMENTS, PLANE
 from isophote.kernels.measure.contour_vertices import VERTICES
 from isophote.kernels.measure.qef import QEF_WORDS
 from isophote.progress import Reporter
@@ -225,8 +225,9 @@ def _parts() -> Packed:
     return contour_parts.PARTS.pack(
         components=np.zeros(VERTICES, np.int32),
         codes=np.zeros(VERTICES, np.int32),
-        moments=np.zeros((VERTICES + 1, MOMENTS)),
+        moments=np.zeros((VERTICES, MOMENTS)),
         places=np.zeros((VERTICES, 3)),
+        plane=np.zeros((1, PLANE)),
         qefs=np.zeros(QEF_WORDS, np.float32),
     )
 

@@ -23,6 +23,7 @@ from isophote.kernels.measure.contour_tables import (
     MOMENTS,
     OUTPUT,
     PADDING,
+    PLANE,
     POINTS,
     ROOT_ROWS,
     WIDTH,
@@ -103,9 +104,9 @@ def _ints(*shape: int) -> npt.NDArray[np.int32]:
     return np.empty(shape, np.int32)
 
 
-def _rows(count: int) -> npt.NDArray[np.float64]:
-    """Rows of error functions, each on its own cache lines."""
-    return scratch(2 * MOMENTS * count).view(np.float64).reshape(count, MOMENTS)
+def _rows(count: int, size: int) -> npt.NDArray[np.float64]:
+    """Rows of so many doubles, each on its own cache lines."""
+    return scratch(2 * size * count).view(np.float64).reshape(count, size)
 
 
 def new_work(rows: Any, data: Packed, components: int) -> Packed:
@@ -140,12 +141,12 @@ def new_work(rows: Any, data: Packed, components: int) -> Packed:
         late=_ints(_MOST_CROSSINGS),
         roots=scratch(ROOT_ROWS * 16 * WIDTH),
         crossings=np.empty(_MOST_CROSSINGS * CROSSING, np.float32),
-        planes=_rows(_MOST_CROSSINGS),
+        planes=_rows(_MOST_CROSSINGS, PLANE),
         around=_ints(4 * _MOST_CROSSINGS),
         qefs=np.zeros(QEF_WORDS, np.float32),
         spots=_ints(components),
         crossed=_ints(clusters, 12),
-        moments=_rows(clusters),
+        moments=_rows(clusters, MOMENTS),
         places=np.empty((clusters, 3)),
         codes=_ints(clusters),
         masks=_ints(clusters),

@@ -7,6 +7,7 @@ import numpy as np
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.simd import load4, lowest_bit, store4
 from isophote.kernels.base.simd_double import double_lane, load_doubles, splat_doubles, store_doubles
+from isophote.kernels.base.simd_planes import later_products, leading_products
 from isophote.kernels.measure.contour_cases import AMBIGUOUS, COUNT_SHIFT
 from isophote.kernels.measure.contour_tables import (
     AXIS_BIT,
@@ -15,6 +16,7 @@ from isophote.kernels.measure.contour_tables import (
     CODE_BIT,
     CROSSING,
     MOMENTS,
+    PLANE,
 )
 from isophote.kernels.measure.morton import bit_count
 
@@ -72,8 +74,8 @@ def _add_components(grid, work, case, code, spot, sample, some_unknown, first):
             place = np.int64(grid.crossings_of_cases[entry])
             crossing = np.int64(work.crossing_of[sample + (place >> 2)])
             work.around[4 * crossing + (place & 3)] = np.int32(component)
-            low = low + load_doubles(work.planes, MOMENTS * crossing)
-            high = high + load_doubles(work.planes, MOMENTS * crossing + 8)
+            plane = load_doubles(work.planes, PLANE * crossing)
+            low, high = low + leading_products(plane), high + later_products(plane)
         at += bits
         store_doubles(work.moments, MOMENTS * component, low)
         store_doubles(work.moments, MOMENTS * component + 8, high)

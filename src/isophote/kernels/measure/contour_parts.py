@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from isophote.kernels.base.jit import device, kernel
+from isophote.kernels.base.simd_double import load_doubles, splat_doubles, store_doubles
+from isophote.kernels.base.simd_planes import later_products, leading_products
 from isophote.kernels.base.table import DOUBLE_BOXES, FLOATS, INTS, Table
 from isophote.kernels.measure.contour_cases import COMPONENT_BITS, COUNT_SHIFT
 from isophote.kernels.measure.contour_faces import cell_of, open_faces, place_of_brick, slot_at
@@ -17,17 +19,18 @@ __all__ = ["PARTS", "crossing_at", "is_crossed", "place_of_cell", "place_parts",
 
 PARTS = Table(
     "ContourParts",
-    # The components whose vertices are sought together, the codes of their cells, and their error functions; the last
-    # row is that of one plane.
+    # The components whose vertices are sought together, the codes of their cells, their error functions, and one plane.
     components=INTS,
     codes=INTS,
     moments=DOUBLE_BOXES,
     places=DOUBLE_BOXES,
+    plane=DOUBLE_BOXES,
     qefs=FLOATS,
 )
 
 _EDGES = np.int64(12)
 _NONE = np.int64(0)
+_NOTHING = np.float64(0)
 _open_parts = PARTS.open
 
 
@@ -73,9 +76,7 @@ def _weigh(t, parts, lane, brick, cell, number):
     i, j, k = place_of_cell(t, brick, cell)
     case = t.cases[cell]
     word = np.int64(t.words[case])
-    plane = parts.moments[VERTICES]
-    for column in range(MOMENTS):
-        parts.moments[lane, column] = 0.0
+    low, high = splat_doubles(_NOTHING), splat_doubles(_NOTHING)
     for edge in range(_EDGES):
         if not is_crossed(case, edge) or word >> COMPONENT_BITS * edge & 3 != number:
             continue
@@ -86,9 +87,11 @@ def _weigh(t, parts, lane, brick, cell, number):
         x = np.float64(a - x0) + (along if axis == 0 else 0.0)
         y = np.float64(b - y0) + (along if axis == 1 else 0.0)
         z = np.float64(c - z0) + (along if axis == 2 else 0.0)
-        put_plane(plane, x, y, z, np.float64(crossing[1]), np.float64(crossing[2]), np.float64(crossing[3]))
-        for column in range(MOMENTS):
-            parts.moments[lane, column] += plane[column]
+        put_plane(parts.plane[0], x, y, z, np.float64(crossing[1]), np.float64(crossing[2]), np.float64(crossing[3]))
+        plane = load_doubles(parts.plane, _NONE)
+        low, high = low + leading_products(plane), high + later_products(plane)
+    store_doubles(parts.moments, MOMENTS * lane, low)
+    store_doubles(parts.moments, MOMENTS * lane + 8, high)
 
 
 @device

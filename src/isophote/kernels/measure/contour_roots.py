@@ -195,8 +195,7 @@ def _add_normals(grid, work, count, j):
 
 @device
 def _write(work, lane, crossing, x0, y0, z0):
-    """A crossing's place along its axis and its normal, and what its plane adds to an error function; whether it has a
-    normal."""
+    """A crossing's place along its edge, its normal and its plane; whether it has a normal."""
     roots, corner = work.roots, np.int64(work.corners[crossing])
     axis, t = corner >> 12, np.float64(roots[_T * _BATCH + lane])
     u, v, w = (
@@ -254,8 +253,8 @@ def _find_chords(work, crossings, x0, y0, z0):
 
 @device
 def find_roots(grid, work, count, crossings, x0, y0, z0):
-    """Places and normals of the crossings listed in `work.starts`, and what they add to error functions; the block lies
-    at (x0, y0, z0) in its brick. Returns whether some have no normal.
+    """Places, normals and planes of the crossings listed in `work.starts`; the block lies at (x0, y0, z0) in its brick.
+    Returns whether some have no normal.
 
     For surface nets places are those of linear interpolation, and normals are 0.
     """

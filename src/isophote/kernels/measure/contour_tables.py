@@ -31,6 +31,7 @@ __all__ = [
     "MOMENTS",
     "OUTPUT",
     "PADDING",
+    "PLANE",
     "POINTS",
     "ROOT_ROWS",
     "WIDTH",
@@ -46,9 +47,9 @@ WIDTH = 12
 POINTS = 768
 # Floats of a crossing: how far along its edge it lies, in cells, and the unit normal there.
 CROSSING = 4
-# Numbers of an error function: matrix (6), right side (3), constant, sum of crossings (3), their number, and two zeros
-# to fill two vectors of eight doubles.
-MOMENTS = 16
+# Numbers of a crossing's plane, and of an error function: matrix (6), right side (3), constant, sum of crossings (3),
+# their number, and two more to fill two registers; see kernels/base/simd_planes.py.
+PLANE, MOMENTS = 8, 16
 # Lanes beyond the last sample of an axis that may be read.
 PADDING = 16
 # Rows of the batches that roots are sought in.
@@ -114,8 +115,8 @@ WORK = Table(
     pending=INTS,
     late=INTS,
     roots=FLOATS,
-    # Crossings of a block: CROSSING numbers, what each adds to an error function, and the components of the four cells
-    # round its edge, or ELSEWHERE for those in other blocks.
+    # Crossings of a block: CROSSING numbers, PLANE numbers, and the components of the four cells round its edge, or
+    # ELSEWHERE for those in other blocks.
     crossings=FLOATS,
     planes=DOUBLE_BOXES,
     around=INTS,

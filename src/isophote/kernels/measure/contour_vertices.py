@@ -16,11 +16,9 @@ VERTICES = 16
 
 @device
 def put_plane(row, x, y, z, u, v, w):
-    """Write what the plane at a point with a normal (u, v, w) adds to an error function."""
-    d = u * x + v * y + w * z
-    row[0], row[1], row[2], row[3], row[4], row[5] = u * u, u * v, u * w, v * v, v * w, w * w
-    row[6], row[7], row[8], row[9] = u * d, v * d, w * d, d * d
-    row[10], row[11], row[12], row[13], row[14], row[15] = x, y, z, 1.0, 0.0, 0.0
+    """Write the plane at a point with a normal (u, v, w)."""
+    row[0], row[1], row[2], row[3] = u, v, w, u * x + v * y + w * z
+    row[4], row[5], row[6], row[7] = x, y, z, 1.0
 
 
 @device
