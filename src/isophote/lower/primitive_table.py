@@ -42,7 +42,7 @@ def no_primitives() -> Packed:
     """The table of a scene without primitives: nothing is loaded or compiled for it."""
     return PRIMITIVES.pack(
         numbers=np.zeros((0, 2), np.int32),
-        entries=np.zeros((0, 2), np.int64),
+        entries=np.zeros((0, 3), np.int64),
         reach=np.zeros((0, 6), np.float32),
         values=np.zeros(0),
         to_object=np.zeros((0, 12)),
@@ -51,5 +51,6 @@ def no_primitives() -> Packed:
         top_nodes=np.zeros(0, np.float32),
         top_items=np.zeros(0, np.int32),
         trace=0,
+        trace_lanes=0,
         surface=0,
     )

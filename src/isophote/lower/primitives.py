@@ -12,10 +12,11 @@ from isophote.accel.tree import build_boxes
 from isophote.errors import SceneError
 from isophote.kernels.base.entry import Entry
 from isophote.kernels.base.table import Packed
-from isophote.kernels.primitive import ball, block, flat, outlined, quadratic, ring, tapered, tube
+from isophote.kernels.primitive import ball, block, flat, outlined, quadratic, ring, ring_lanes, tapered, tube
 from isophote.kernels.primitive.layout import PRIMITIVES
 from isophote.kernels.primitive.surface import primitive_surface
 from isophote.kernels.primitive.trace import trace_primitive
+from isophote.kernels.primitive.trace_lanes import trace_primitive_lanes
 from isophote.lower.primitive_table import PrimitivePart
 from isophote.shapes.primitive.extent import ball_around, box_around
 from isophote.shapes.primitive.primitive import Primitive
@@ -34,16 +35,17 @@ _ROUNDING = 64 * 2.0**-53
 _SLACK = 2.0**-22
 
 
+def _as_they_are(values: Floats) -> Floats:
+    return values if len(values) else np.zeros(1)
+
+
 class Kind(NamedTuple):
-    """A kind of primitive: its two entries (kernels/primitive/layout.py), and its values as the entries want them."""
+    """A kind of primitive: its entries (kernels/primitive/layout.py), and its values as the entries want them."""
 
     meet: Entry
     describe: Entry
-    numbers: Callable[[Floats], Floats]
-
-
-def _as_they_are(values: Floats) -> Floats:
-    return values if len(values) else np.zeros(1)
+    meet_lanes: Entry | None = None
+    numbers: Callable[[Floats], Floats] = _as_they_are
 
 
 def _half_planes(values: Floats) -> Floats:
@@ -65,17 +67,17 @@ def _edges(values: Floats) -> Floats:
 
 
 KINDS: dict[str, Kind] = {
-    "ball": Kind(ball.meet_ball, ball.describe_ball, _as_they_are),
-    "plane": Kind(flat.meet_plane, flat.describe_plane, _as_they_are),
-    "disk": Kind(flat.meet_disk, flat.describe_disk, _as_they_are),
-    "block": Kind(block.meet_block, block.describe_block, _as_they_are),
-    "pipe": Kind(tube.meet_pipe, tube.describe_pipe, _as_they_are),
-    "tube": Kind(tube.meet_tube, tube.describe_tube, _as_they_are),
-    "cone": Kind(tapered.meet_cone, tapered.describe_cone, _as_they_are),
-    "ring": Kind(ring.meet_ring, ring.describe_ring, _as_they_are),
-    "quadric": Kind(quadratic.meet_quadric, quadratic.describe_quadric, _as_they_are),
-    "convex": Kind(outlined.meet_convex, outlined.describe_polygon, _half_planes),
-    "polygon": Kind(outlined.meet_polygon, outlined.describe_polygon, _edges),
+    "ball": Kind(ball.meet_ball, ball.describe_ball, ball.meet_balls),
+    "plane": Kind(flat.meet_plane, flat.describe_plane, flat.meet_planes),
+    "disk": Kind(flat.meet_disk, flat.describe_disk, flat.meet_disks),
+    "block": Kind(block.meet_block, block.describe_block, block.meet_blocks),
+    "pipe": Kind(tube.meet_pipe, tube.describe_pipe, tube.meet_pipes),
+    "tube": Kind(tube.meet_tube, tube.describe_tube, tube.meet_tubes),
+    "cone": Kind(tapered.meet_cone, tapered.describe_cone, tapered.meet_cones),
+    "ring": Kind(ring.meet_ring, ring.describe_ring, ring_lanes.meet_rings),
+    "quadric": Kind(quadratic.meet_quadric, quadratic.describe_quadric),
+    "convex": Kind(outlined.meet_convex, outlined.describe_polygon, numbers=_half_planes),
+    "polygon": Kind(outlined.meet_polygon, outlined.describe_polygon, numbers=_edges),
 }
 
 
@@ -99,7 +101,7 @@ def lower_primitives(parts: Sequence[PrimitivePart], surface: int) -> Packed:
     alone, top = _tree(boxes, finite)
     return PRIMITIVES.pack(
         numbers=np.column_stack([surface + np.arange(len(parts)), first]).astype(np.int32),
-        entries=np.array([(kind.meet.address, kind.describe.address) for kind in kinds], np.int64),
+        entries=np.array([_addresses(kind) for kind in kinds], np.int64),
         reach=np.array([_reach(primitive, box) for primitive, box in zip(placed, boxes, strict=True)], np.float32),
         values=np.concatenate(numbers),
         to_object=np.array([np.linalg.inv(primitive.matrix)[:3].reshape(-1) for primitive in placed]),
@@ -107,8 +109,13 @@ def lower_primitives(parts: Sequence[PrimitivePart], surface: int) -> Packed:
         alone=alone,
         **top,
         trace=trace_primitive.address,
+        trace_lanes=trace_primitive_lanes.address,
         surface=primitive_surface.address,
     )
+
+
+def _addresses(kind: Kind) -> tuple[int, int, int]:
+    return kind.meet.address, kind.describe.address, 0 if kind.meet_lanes is None else kind.meet_lanes.address
 
 
 def _check(parts: Sequence[PrimitivePart], boxes: Floats, finite: npt.NDArray[np.bool_]) -> None:

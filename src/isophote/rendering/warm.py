@@ -104,10 +104,11 @@ def _fields() -> None:
 
 
 def _primitives() -> None:
-    from isophote.kernels.primitive import surface, trace
+    from isophote.kernels.primitive import surface, trace, trace_lanes
 
     # Kinds are compiled as they are met: a fraction of a second each.
     trace.trace_primitive.compile()
+    trace_lanes.trace_primitive_lanes.compile()
     surface.primitive_surface.compile()
 
 

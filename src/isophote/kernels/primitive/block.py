@@ -10,9 +10,10 @@ from isophote.kernels.base.doubles import doubles_at
 from isophote.kernels.base.entry import entry
 from isophote.kernels.base.jit import device
 from isophote.kernels.primitive import layout
+from isophote.kernels.primitive.lanes import BLOCK_DOUBLES, U, V, W, X, Y, Z, keep_first_end
 from isophote.kernels.primitive.line import stretch_ends
 
-__all__ = ["describe_block", "meet_block"]
+__all__ = ["describe_block", "meet_block", "meet_blocks"]
 
 _WORDS, _NO, _OWN = np.int64(layout.WORDS), np.int64(0), np.int64(3)
 _FAR = math.inf
@@ -26,6 +27,15 @@ def _within(o, d, half):
     inverse = 1.0 / d
     a, b = (-half - o) * inverse, (half - o) * inverse
     return (a, b) if d > 0.0 else (b, a)
+
+
+@device
+def _planes(o, d, half):
+    """As `_within`, without a branch: where the line runs beside the planes, 1 / 0 makes the ends infinite; on a plane,
+    it is taken as outside."""
+    inverse = 1.0 / d
+    a, b = (-half - o) * inverse, (half - o) * inverse
+    return (a, b) if inverse > 0.0 else (b, a)
 
 
 @entry
@@ -42,6 +52,25 @@ def meet_block(own, line_address):
         if far < leave:
             leave, last = far, 2 * axis + forward
     return stretch_ends(line, enter, leave, first, last)
+
+
+@entry
+def meet_blocks(own, block_address, lanes):
+    """The first crossings of sixteen rays."""
+    block, halves = doubles_at(block_address, BLOCK_DOUBLES), doubles_at(own, _OWN)
+    hx, hy, hz = halves[0], halves[1], halves[2]
+    for i in range(lanes):
+        u, v, w = block[U + i], block[V + i], block[W + i]
+        ax, bx = _planes(block[X + i], u, hx)
+        ay, by = _planes(block[Y + i], v, hy)
+        az, bz = _planes(block[Z + i], w, hz)
+        px, py, pz = 0.5 + math.copysign(0.5, u), 2.5 + math.copysign(0.5, v), 4.5 + math.copysign(0.5, w)
+        enter, first = (ax, 1.0 - px) if ax > ay else (ay, 5.0 - py)
+        enter, first = (az, 9.0 - pz) if az > enter else (enter, first)
+        leave, last = (bx, px) if bx < by else (by, py)
+        leave, last = (bz, pz) if bz < leave else (leave, last)
+        keep_first_end(block, i, enter, leave, first, last)
+    return _NO
 
 
 @device

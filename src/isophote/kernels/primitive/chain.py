@@ -6,17 +6,26 @@ import numpy as np
 
 from isophote.kernels.accel.geometry import Hit
 from isophote.kernels.accel.surface import Surface
+from isophote.kernels.base.doubles import doubles_at
 from isophote.kernels.base.entry import call_entry, element_address, table_address
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.simd import store_int
 from isophote.kernels.base.vec import vec3
-from isophote.kernels.primitive.layout import SLOT, SURFACE
+from isophote.kernels.primitive.lanes import BLOCK_DOUBLES, LANES, PART, T
+from isophote.kernels.primitive.layout import RAYS_AT, SLOT, SURFACE
 
-__all__ = ["closest_primitive", "primitive_occludes", "surface_of_primitive"]
+__all__ = [
+    "closest_primitive",
+    "closest_primitives",
+    "find_occluding",
+    "primitive_occludes",
+    "surface_of_primitive",
+]
 
 _ZERO, _ONE = np.float32(0), np.float32(1)
 _SLOT, _PART_BITS, _PART = np.int64(SLOT), np.int64(4), np.int64(15)
-_FIRST = np.int64(0)
+_FIRST, _RAYS_AT = np.int64(0), np.int64(RAYS_AT)
+_OFF, _CLEAR = -1.0, 0.0
 
 
 @device
@@ -48,6 +57,56 @@ def primitive_occludes(primitives, origin, direction, t_max, scratch):
     _load_ray(scratch, origin, direction, t_max)
     scratch[7] = _ONE
     return call_entry(primitives.trace, (table_address(primitives), element_address(scratch, _FIRST))) >= 0
+
+
+@device
+def _load_lanes(scratch, floats, origin, limit, first, last):
+    """Rays first ≤ i < last of a wave, whose first row of origins is `origin`, into the entry's block; lanes that are
+    left over repeat the last ray, switched off by their limit."""
+    rays = doubles_at(element_address(scratch, _RAYS_AT), BLOCK_DOUBLES)
+    for lane in range(LANES):
+        i = min(first + lane, last - 1)
+        for row in range(6):
+            rays[LANES * row + lane] = np.float64(floats[origin + row, i])
+        rays[T + lane] = np.float64(floats[limit, i]) if first + lane < last else _OFF
+    return rays
+
+
+@device
+def closest_primitives(primitives, floats, longs, wave_rows, count, scratch):
+    """Primitives that lie before what rays 0 ≤ i < count of a wave have met so far, as closest_primitive for each.
+
+    `wave_rows`: the rows of origins, of t in `floats`, of slots and instances in `longs`.
+    """
+    origin, limit, slot, instance = wave_rows
+    for first in range(0, count, LANES):
+        last = min(first + LANES, count)
+        rays = _load_lanes(scratch, floats, origin, limit, first, last)
+        call_entry(primitives.trace_lanes, (table_address(primitives), element_address(scratch, _FIRST)))
+        for i in range(first, last):
+            met = np.int64(rays[PART + i - first])
+            if met >= 0:
+                floats[limit, i] = np.float32(rays[T + i - first])
+                longs[slot, i], longs[instance, i] = _SLOT - (met & _PART), met >> _PART_BITS
+
+
+@device
+def find_occluding(primitives, floats, ints, wave_rows, count, scratch):
+    """Set the row of what is blocked to 1 for rays 0 ≤ i < count of a wave that meet a primitive before their end.
+
+    `wave_rows`: the rows of origins, of ends in `floats`, of what is blocked in `ints`.
+    """
+    origin, limit, blocked = wave_rows
+    for first in range(0, count, LANES):
+        last = min(first + LANES, count)
+        rays = _load_lanes(scratch, floats, origin, limit, first, last)
+        for i in range(first, last):
+            if ints[blocked, i] != 0:
+                rays[T + i - first] = _OFF
+        call_entry(primitives.trace_lanes, (table_address(primitives), element_address(scratch, _FIRST)))
+        for i in range(first, last):
+            if rays[PART + i - first] >= _CLEAR:
+                ints[blocked, i] = 1
 
 
 @device

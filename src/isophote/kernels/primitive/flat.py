@@ -10,9 +10,10 @@ from isophote.kernels.base.doubles import doubles_at
 from isophote.kernels.base.entry import entry
 from isophote.kernels.base.jit import device
 from isophote.kernels.primitive import layout
+from isophote.kernels.primitive.lanes import BLOCK_DOUBLES, U, V, W, X, Y, Z, keep_crossing
 from isophote.kernels.primitive.line import found
 
-__all__ = ["describe_disk", "describe_plane", "meet_disk", "meet_plane"]
+__all__ = ["describe_disk", "describe_plane", "meet_disk", "meet_disks", "meet_plane", "meet_planes"]
 
 _WORDS, _NO = np.int64(layout.WORDS), np.int64(0)
 
@@ -37,6 +38,26 @@ def meet_disk(own, line_address):
     t = _crossing(line)
     x, z = line[0] + t * line[3], line[2] + t * line[5]
     return found(line, _NO, t, _NO) if x * x + z * z <= 1.0 else _NO
+
+
+@entry
+def meet_planes(own, block_address, lanes):
+    """The first crossings of sixteen rays with the plane."""
+    block = doubles_at(block_address, BLOCK_DOUBLES)
+    for i in range(lanes):
+        keep_crossing(block, i, -block[Y + i] / block[V + i], True)
+    return _NO
+
+
+@entry
+def meet_disks(own, block_address, lanes):
+    """The first crossings of sixteen rays with the disk."""
+    block = doubles_at(block_address, BLOCK_DOUBLES)
+    for i in range(lanes):
+        t = -block[Y + i] / block[V + i]
+        x, z = block[X + i] + t * block[U + i], block[Z + i] + t * block[W + i]
+        keep_crossing(block, i, t, x * x + z * z <= 1.0)
+    return _NO
 
 
 @device

@@ -65,12 +65,13 @@ def roots(a, b, c, d):
     """The roots of a t² + 2 b t + c, for d = b² − a c ≥ 0, in order: one does not cancel, the other follows from their
     product (Press et al., "Numerical Recipes", section 5.6). Where a is 0, one is infinite, on the side where the
     polynomial is below zero."""
-    q = -(b + math.copysign(math.sqrt(d), b))
-    if q == _NOTHING:
-        return _NOTHING, _NOTHING
-    first = q / (a if a != _NOTHING else _NOTHING)
-    second = c / q
-    return min(first, second), max(first, second)
+    root = math.sqrt(d)
+    q = root - b if b < _NOTHING else -root - b
+    # Adding zero makes −0 zero.
+    first, second = q / (a + _NOTHING), c / q
+    none = q == _NOTHING
+    first, second = (_NOTHING if none else first), (_NOTHING if none else second)
+    return (first, second) if first < second else (second, first)
 
 
 @device

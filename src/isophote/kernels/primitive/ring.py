@@ -22,7 +22,7 @@ from isophote.kernels.base.jit import device
 from isophote.kernels.primitive import layout
 from isophote.kernels.primitive.line import around, found
 
-__all__ = ["describe_ring", "meet_ring"]
+__all__ = ["cross_ring", "describe_ring", "meet_ring"]
 
 _WORDS, _NO, _OWN = np.int64(layout.WORDS), np.int64(0), np.int64(1)
 _FAR = math.inf
@@ -109,10 +109,9 @@ def _quartic(x, y, z, nearest, v, speed, tube):
     return Quartic(2.0 * g - 4.0 * (1.0 - v * v), 8.0 * y * v, c, g, nearest, speed)
 
 
-@entry
-def meet_ring(own, line_address):
-    """Crossings of (|p|² + 1 − r²)² = 4 (x² + z²)."""
-    line, tube = doubles_at(line_address, _WORDS), doubles_at(own, _OWN)[0]
+@device
+def cross_ring(line, tube):
+    """Crossings of (|p|² + 1 − r²)² = 4 (x² + z²), written down; returns how many."""
     x, y, z, u, v, w = line[0], line[1], line[2], line[3], line[4], line[5]
     a = u * u + v * v + w * w
     nearest = -(x * u + y * v + z * w) / a
@@ -138,6 +137,12 @@ def meet_ring(own, line_address):
     count, inside = _cross_piece(line, _NO, f, start, min(end, -bend), inside)
     count, inside = _cross_piece(line, count, f, max(start, -bend), min(end, bend), inside)
     return _cross_piece(line, count, f, max(start, bend), end, inside)[0]
+
+
+@entry
+def meet_ring(own, line_address):
+    """Crossings of the torus."""
+    return cross_ring(doubles_at(line_address, _WORDS), doubles_at(own, _OWN)[0])
 
 
 @entry

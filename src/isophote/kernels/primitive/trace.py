@@ -15,7 +15,7 @@ from isophote.kernels.primitive import layout
 from isophote.kernels.primitive.layout import PRIMITIVES
 from isophote.kernels.primitive.line import placed
 
-__all__ = ["meet_primitive", "passes_by", "trace_primitive"]
+__all__ = ["first_in_tree", "meet_primitive", "passes_by", "trace_primitive"]
 
 _ZERO = np.float32(0)
 _NOTHING, _ONE = 0.0, 1.0
@@ -55,8 +55,8 @@ def meet_primitive(primitives, k, origin, direction, t_max, line):
 
 
 @device
-def _first_primitive(primitives, origin, direction, t_max, any_hit, stack, line):
-    """(t, primitive · 2⁴ + part) of what a ray meets first; −1 for nothing."""
+def _first_alone(primitives, origin, direction, t_max, any_hit, line):
+    """(t, code) of what a ray meets first among the primitives that stand alone; see trace_primitive."""
     found = _NONE
     for i in range(primitives.alone.rows):
         k = np.int64(primitives.alone[i])
@@ -65,7 +65,13 @@ def _first_primitive(primitives, origin, direction, t_max, any_hit, stack, line)
             if part >= 0:
                 t_max, found = t, (k << _PART_BITS) + part
                 if any_hit:
-                    return t_max, found
+                    break
+    return t_max, found
+
+
+@device
+def first_in_tree(primitives, origin, direction, t_max, found, any_hit, stack, line):
+    """(t, code) of what a ray meets first in the tree, or what was found before."""
     if primitives.top_nodes.rows == 0:
         return t_max, found
     # As closest_hit goes through instances.
@@ -94,7 +100,7 @@ def _first_primitive(primitives, origin, direction, t_max, any_hit, stack, line)
 
 @entry
 def trace_primitive(primitives_address, scratch_address):
-    """The first primitive that a ray meets before its limit: primitive · 2⁴ + part of its surface, or −1.
+    """The first primitive that a ray meets before its limit, as a code: primitive · 2⁴ + part of its surface, or −1.
 
     The ray's words stand at the start of the scratch; its limit becomes t.
     """
@@ -103,6 +109,9 @@ def trace_primitive(primitives_address, scratch_address):
     line = doubles_at(scratch_address + _WORD * layout.LINE_AT, np.int64(layout.WORDS))
     stack = floats_at(scratch_address + _WORD * layout.STACK_AT, np.int64(layout.STACK_WORDS))
     origin, direction = vec3(ray[0], ray[1], ray[2]), vec3(ray[3], ray[4], ray[5])
-    t, found = _first_primitive(primitives, origin, direction, ray[6], ray[7] != _ZERO, stack, line)
+    any_hit = ray[7] != _ZERO
+    t, found = _first_alone(primitives, origin, direction, ray[6], any_hit, line)
+    if found < 0 or not any_hit:
+        t, found = first_in_tree(primitives, origin, direction, t, found, any_hit, stack, line)
     ray[6] = t
     return found

@@ -10,9 +10,10 @@ from isophote.kernels.base.doubles import doubles_at
 from isophote.kernels.base.entry import entry
 from isophote.kernels.base.jit import device
 from isophote.kernels.primitive import layout
+from isophote.kernels.primitive.lanes import BLOCK_DOUBLES, U, V, W, X, Z, keep_first_end, keep_within_lids
 from isophote.kernels.primitive.line import around, describe_lid, stretch_ends, within_lids
 
-__all__ = ["describe_pipe", "describe_tube", "meet_pipe", "meet_tube"]
+__all__ = ["describe_pipe", "describe_tube", "meet_pipe", "meet_pipes", "meet_tube", "meet_tubes"]
 
 _WORDS, _NO = np.int64(layout.WORDS), np.int64(0)
 _FAR = math.inf
@@ -21,18 +22,15 @@ _ALONG = 1e-32
 
 
 @device
-def _within_side(line):
-    """(enter, leave) of a line in the endless cylinder; (inf, −inf) where it passes by. As meet_ball, in the plane."""
-    x, z, u, w = line[0], line[2], line[3], line[5]
+def _within_side(x, z, u, v, w):
+    """(enter, leave) of a line in the endless cylinder, NaN where it passes by. As ball._within, in the plane."""
     a = u * u + w * w
-    if a <= _ALONG * line[4] * line[4]:
-        return (-_FAR, _FAR) if x * x + z * z <= 1.0 else (_FAR, -_FAR)
-    nearest = -(x * u + z * w) / a
+    upright = a <= _ALONG * v * v
+    inverse = 1.0 / (1.0 if upright else a)
+    nearest = -(x * u + z * w) * inverse
     x, z = x + nearest * u, z + nearest * w
-    height2 = 1.0 - (x * x + z * z)
-    if not height2 >= 0.0:
-        return _FAR, -_FAR
-    half = math.sqrt(height2 / a)
+    half = math.sqrt((1.0 - (x * x + z * z)) * inverse)
+    half = half * (_FAR if upright else 1.0)
     return nearest - half, nearest + half
 
 
@@ -40,7 +38,7 @@ def _within_side(line):
 def meet_pipe(own, line_address):
     """Crossings of x² + z² = 1."""
     line = doubles_at(line_address, _WORDS)
-    enter, leave = _within_side(line)
+    enter, leave = _within_side(line[0], line[2], line[3], line[4], line[5])
     return stretch_ends(line, enter, leave, _NO, _NO)
 
 
@@ -48,10 +46,30 @@ def meet_pipe(own, line_address):
 def meet_tube(own, line_address):
     """Crossings of the side (part 0) and the lids at y = 1 (part 1) and y = −1 (part 2)."""
     line = doubles_at(line_address, _WORDS)
-    enter, leave = _within_side(line)
+    enter, leave = _within_side(line[0], line[2], line[3], line[4], line[5])
     if not enter <= leave:
         return _NO
     return within_lids(line, enter, leave)
+
+
+@entry
+def meet_pipes(own, block_address, lanes):
+    """The first crossings of sixteen rays with an endless cylinder."""
+    block = doubles_at(block_address, BLOCK_DOUBLES)
+    for i in range(lanes):
+        enter, leave = _within_side(block[X + i], block[Z + i], block[U + i], block[V + i], block[W + i])
+        keep_first_end(block, i, enter, leave, 0.0, 0.0)
+    return _NO
+
+
+@entry
+def meet_tubes(own, block_address, lanes):
+    """The first crossings of sixteen rays with a cylinder and its lids."""
+    block = doubles_at(block_address, BLOCK_DOUBLES)
+    for i in range(lanes):
+        enter, leave = _within_side(block[X + i], block[Z + i], block[U + i], block[V + i], block[W + i])
+        keep_within_lids(block, i, enter, leave)
+    return _NO
 
 
 @device

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from isophote.kernels.accel.field_chain import closest_field, field_occludes
 from isophote.kernels.accel.geometry import Hit, closest_hit, occluded
 from isophote.kernels.accel.layout import BLOCK, PACKET
 from isophote.kernels.accel.packet import (
@@ -19,15 +20,17 @@ from isophote.kernels.accel.packet import (
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.simd import load_float, load_int, store_float
 from isophote.kernels.light.emitter import closest_lamp, lamp_blocks
+from isophote.kernels.primitive.chain import closest_primitives, find_occluding
 from isophote.kernels.trace import wave as rows
-from isophote.kernels.trace.direct import closest_direct, direct_occludes, has_direct
 from isophote.kernels.trace.wave import add_radiance, row_vec3
 
 __all__ = [
     "LAMP",
     "blocked_in_packets",
+    "closest_direct_of_wave",
     "closest_in_packets",
     "find_blocked",
+    "find_blocked_directly",
     "in_packets",
     "trace_rays",
     "trace_shadow_rays",
@@ -37,6 +40,9 @@ __all__ = [
 LAMP = np.int64(-2)
 
 _ZERO, _ONE = np.float32(0), np.float32(1)
+# Rows that primitives are asked with.
+_HIT_ROWS = tuple(np.int64(row) for row in (rows.ORIGIN, rows.HIT_T, rows.HIT_SLOT, rows.HIT_INSTANCE))
+_SHADOW_ROWS = tuple(np.int64(row) for row in (rows.SHADOW_ORIGIN, rows.SHADOW_END, rows.BLOCKED))
 
 # Scenes of so few leaf blocks are traced in packets even where rays go every way.
 _FEW_BLOCKS = 24
@@ -127,13 +133,17 @@ def _closest_one_by_one(geometry, wave, count):
 
 
 @device
-def _closest_direct(scene, wave, count):
+def closest_direct_of_wave(scene, wave, count):
     """Primitives and fields that lie before what the wave's rays have met so far."""
+    if scene.primitives.numbers.rows > 0:
+        closest_primitives(scene.primitives, wave.floats, wave.longs, _HIT_ROWS, count, wave.scratch)
+    if scene.fields.numbers.rows == 0:
+        return
     floats, longs = wave.floats, wave.longs
     for i in range(count):
         origin, direction = row_vec3(floats, rows.ORIGIN, i), row_vec3(floats, rows.DIRECTION, i)
         best = Hit(floats[rows.HIT_T, i], _ZERO, _ZERO, longs[rows.HIT_SLOT, i], longs[rows.HIT_INSTANCE, i])
-        hit = closest_direct(scene, origin, direction, best, wave.scratch)
+        hit = closest_field(scene.fields, origin, direction, best, wave.scratch)
         floats[rows.HIT_T, i] = hit.t
         longs[rows.HIT_SLOT, i], longs[rows.HIT_INSTANCE, i] = hit.slot, hit.instance
 
@@ -148,8 +158,7 @@ def trace_rays(scene, wave, count, coherent):
         closest_in_packets(scene.geometry, wave, count)
     else:
         _closest_one_by_one(scene.geometry, wave, count)
-    if has_direct(scene):
-        _closest_direct(scene, wave, count)
+    closest_direct_of_wave(scene, wave, count)
     if scene.lights.lamps.rows == 0:
         return
     floats, longs = wave.floats, wave.longs
@@ -193,23 +202,32 @@ def _blocked_by_triangles(geometry, wave, count, coherent):
 
 
 @device
-def _blocked_otherwise(scene, wave, i):
-    """Whether a primitive, a field or a lamp is in the way of shadow ray `i`."""
-    origin, direction = row_vec3(wave.floats, rows.SHADOW_ORIGIN, i), row_vec3(wave.floats, rows.SHADOW_DIRECTION, i)
-    end = wave.floats[rows.SHADOW_END, i]
-    if direct_occludes(scene, origin, direction, end, wave.scratch):
-        return True
-    return lamp_blocks(scene.lights, origin, direction, end)
+def find_blocked_directly(scene, wave, count):
+    """Set the row BLOCKED to 1 for shadow rays that meet a primitive or a field before their end."""
+    floats, ints = wave.floats, wave.ints
+    if scene.primitives.numbers.rows > 0:
+        find_occluding(scene.primitives, floats, ints, _SHADOW_ROWS, count, wave.scratch)
+    if scene.fields.numbers.rows == 0:
+        return
+    for i in range(count):
+        if ints[rows.BLOCKED, i] == 0:
+            origin, direction = row_vec3(floats, rows.SHADOW_ORIGIN, i), row_vec3(floats, rows.SHADOW_DIRECTION, i)
+            end = floats[rows.SHADOW_END, i]
+            ints[rows.BLOCKED, i] = field_occludes(scene.fields, origin, direction, end, wave.scratch)
 
 
 @device
 def find_blocked(scene, wave, count, coherent):
     """Whether each shadow ray of the wave meets anything before its end, 0 or 1 in its row BLOCKED."""
     _blocked_by_triangles(scene.geometry, wave, count, coherent)
-    if has_direct(scene) or scene.lights.lamps.rows > 0:
-        for i in range(count):
-            if wave.ints[rows.BLOCKED, i] == 0:
-                wave.ints[rows.BLOCKED, i] = _blocked_otherwise(scene, wave, i)
+    find_blocked_directly(scene, wave, count)
+    if scene.lights.lamps.rows == 0:
+        return
+    floats, ints = wave.floats, wave.ints
+    for i in range(count):
+        if ints[rows.BLOCKED, i] == 0:
+            origin, direction = row_vec3(floats, rows.SHADOW_ORIGIN, i), row_vec3(floats, rows.SHADOW_DIRECTION, i)
+            ints[rows.BLOCKED, i] = lamp_blocks(scene.lights, origin, direction, floats[rows.SHADOW_END, i])
 
 
 @device

@@ -17,15 +17,14 @@ from isophote.kernels.base.jit import device, kernel
 from isophote.kernels.base.table import BYTES, FLOAT_ROWS, FLOATS, INTS, Table
 from isophote.kernels.base.vec import vec3
 from isophote.kernels.trace import wave as rows
-from isophote.kernels.trace.batch import blocked_in_packets, closest_in_packets, in_packets
-from isophote.kernels.trace.direct import (
-    closest_direct,
-    direct_item,
-    direct_occludes,
-    direct_part,
-    has_direct,
-    surface_of,
+from isophote.kernels.trace.batch import (
+    blocked_in_packets,
+    closest_direct_of_wave,
+    closest_in_packets,
+    find_blocked_directly,
+    in_packets,
 )
+from isophote.kernels.trace.direct import direct_item, direct_part, has_direct, surface_of
 from isophote.kernels.trace.tables import SCENE
 
 __all__ = ["QUERY", "closest_rays", "describe_hits", "first_fault", "occluded_rays"]
@@ -138,18 +137,33 @@ def _closest_in_packets(scene, query, wave, first, last):
 
 @device
 def _closest_direct(scene, query, wave, first, last):
-    """Primitives and fields that lie before what rays first ≤ i < last have met so far."""
-    for i in range(first, last):
-        origin, direction = _row(query.origins, i), _row(query.directions, i)
-        limit = query.limit[i] if query.slot[i] == _NONE else query.distance[i]
-        best = Hit(limit, _ZERO, _ZERO, _NONE, np.int64(0))
-        hit = closest_direct(scene, origin, direction, best, wave.scratch)
-        if hit.slot != _NONE:
-            query.distance[i] = hit.t
-            query.uv[i, 0] = query.uv[i, 1] = _ZERO
-            query.item[i] = scene.surfaces.items[direct_item(scene, hit), PUBLIC]
-            query.primitive[i] = direct_part(hit)
-            query.slot[i], query.instance[i] = hit.slot, hit.instance
+    """Primitives and fields that lie before what rays first ≤ i < last have met so far; where there are no triangles,
+    nothing was written of the rays before."""
+    floats, longs = wave.floats, wave.longs
+    size, fresh = floats.columns, scene.geometry.blocks.rows == 0
+    for start in range(first, last, size):
+        count = min(size, last - start)
+        _load(query, wave, start, count, rows.ORIGIN, rows.HIT_T)
+        for i in range(count):
+            longs[rows.HIT_SLOT, i] = _NONE
+            if not fresh and query.slot[start + i] != _NONE:
+                floats[rows.HIT_T, i] = query.distance[start + i]
+        closest_direct_of_wave(scene, wave, count)
+        for i in range(count):
+            slot, instance = longs[rows.HIT_SLOT, i], longs[rows.HIT_INSTANCE, i]
+            if slot != _NONE:
+                _write_direct(scene, query, start + i, Hit(floats[rows.HIT_T, i], _ZERO, _ZERO, slot, instance))
+            elif fresh:
+                _write_miss(query, start + i)
+
+
+@device
+def _write_direct(scene, query, i, hit):
+    query.distance[i] = hit.t
+    query.uv[i, 0] = query.uv[i, 1] = _ZERO
+    query.item[i] = scene.surfaces.items[direct_item(scene, hit), PUBLIC]
+    query.primitive[i] = direct_part(hit)
+    query.slot[i], query.instance[i] = hit.slot, hit.instance
 
 
 @kernel
@@ -160,11 +174,12 @@ def closest_rays(scene_words, query_words, wave_words, first, last, coherent):
     fault = first_fault(query, first, last)
     if fault[0] != 0:
         return fault
-    if in_packets(scene.geometry, coherent):
+    none = scene.geometry.blocks.rows == 0
+    if not none and in_packets(scene.geometry, coherent):
         _closest_in_packets(scene, query, wave, first, last)
-    else:
+    elif not none:
         _closest_one_by_one(scene, query, wave, first, last)
-    if has_direct(scene):
+    if none or has_direct(scene):
         _closest_direct(scene, query, wave, first, last)
     return fault
 
@@ -180,6 +195,19 @@ def _blocked_in_packets(scene, query, wave, first, last):
             query.blocked[start + i] = wave.ints[rows.BLOCKED, i]
 
 
+@device
+def _blocked_directly(scene, query, wave, first, last):
+    size = wave.floats.columns
+    for start in range(first, last, size):
+        count = min(size, last - start)
+        _load(query, wave, start, count, rows.SHADOW_ORIGIN, rows.SHADOW_END)
+        for i in range(count):
+            wave.ints[rows.BLOCKED, i] = query.blocked[start + i]
+        find_blocked_directly(scene, wave, count)
+        for i in range(count):
+            query.blocked[start + i] = wave.ints[rows.BLOCKED, i]
+
+
 @kernel
 def occluded_rays(scene_words, query_words, wave_words, first, last, coherent):
     """Whether rays first ≤ i < last meet anything before their limit; returns as closest_rays does."""
@@ -187,17 +215,17 @@ def occluded_rays(scene_words, query_words, wave_words, first, last, coherent):
     fault = first_fault(query, first, last)
     if fault[0] != 0:
         return fault
-    if in_packets(scene.geometry, coherent):
+    if scene.geometry.blocks.rows == 0:
+        for i in range(first, last):
+            query.blocked[i] = 0
+    elif in_packets(scene.geometry, coherent):
         _blocked_in_packets(scene, query, wave, first, last)
     else:
         for i in range(first, last):
             origin, direction = _row(query.origins, i), _row(query.directions, i)
             query.blocked[i] = occluded(scene.geometry, origin, direction, query.limit[i], wave.scratch)
     if has_direct(scene):
-        for i in range(first, last):
-            if query.blocked[i] == 0:
-                origin, direction = _row(query.origins, i), _row(query.directions, i)
-                query.blocked[i] = direct_occludes(scene, origin, direction, query.limit[i], wave.scratch)
+        _blocked_directly(scene, query, wave, first, last)
     return fault
 
 
