@@ -11,7 +11,7 @@ import numpy as np
 
 from isophote.errors import RenderError
 
-__all__ = ["Check", "one_of", "optional_positive", "optional_whole", "whole"]
+__all__ = ["Check", "one_of", "optional_positive", "optional_whole", "positive", "whole"]
 
 Check: TypeAlias = Callable[[Any, "attrs.Attribute[Any]", Any], None]
 
@@ -33,6 +33,13 @@ def whole(least: int, most: int) -> Check:
 def optional_whole(least: int, most: int) -> Check:
     """A whole number from `least` to `most`, or None."""
     return attrs.validators.optional(whole(least, most))
+
+
+def positive(method: Any, attribute: attrs.Attribute[Any], value: object) -> None:
+    """A finite number above 0."""
+    number = isinstance(value, int | float | np.number) and not isinstance(value, bool)
+    if not number or not 0 < value < math.inf:  # type: ignore[operator]
+        _refuse(method, attribute, "a number above 0", value)
 
 
 def optional_positive(method: Any, attribute: attrs.Attribute[Any], value: object) -> None:

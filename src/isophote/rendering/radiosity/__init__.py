@@ -1,0 +1,1 @@
+"""Radiosity: light between diffuse surfaces, solved on patches."""

@@ -1,0 +1,247 @@
+"""The surfaces of a scene as flat one-sided faces: what radiosity cuts into patches."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+from typing import TypeAlias
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from isophote.analysis.connectivity.topology import topology
+from isophote.convert.contour import to_mesh
+from isophote.convert.triangulate import triangulate
+from isophote.errors import IsophoteWarning, RenderError
+from isophote.lower.lights import rectangle_mesh
+from isophote.scene.colour import srgb_to_linear
+from isophote.scene.light import RectLight
+from isophote.scene.material import Emitter, Material, Matte
+from isophote.scene.scene import Scene
+from isophote.scene.texture import Texture
+from isophote.shapes.field.field import Field
+from isophote.shapes.mesh import Attribute, Mesh
+
+__all__ = ["Faces", "faces_of", "looked_up"]
+
+Points: TypeAlias = npt.NDArray[np.float64]
+
+# A quad counts as a parallelogram if its fourth corner is where the others put it, to this part of its size.
+_FLAT = 1e-6
+
+
+@attrs.frozen(eq=False)
+class Faces:
+    """n triangles and parallelograms, each with one side that sends and receives light.
+
+    `corners` (n, 4, 3), the last of a triangle's unused, counterclockwise as seen from the side; `sides` (n,) 3 or 4;
+    `normals` (n, 3); `uvs` (n, 4, 2); `albedo`, `emission` (n, 3), the latter π times the radiance; `texture` (n,): row
+    of `textures` that multiplies the albedo, or −1; `item`, `primitive` (n,): what they are part of; `side` (n,): 1
+    behind a surface, else 0; `smooth` (n,): whether light is blended with that of neighbours that lie in other planes;
+    `meshes`: the meshes that block light, placed in the world, `solid`: which of them are closed and turned outward.
+    """
+
+    corners: Points
+    sides: npt.NDArray[np.uint8]
+    normals: Points
+    uvs: Points
+    albedo: Points
+    emission: Points
+    texture: npt.NDArray[np.int64]
+    item: npt.NDArray[np.int64]
+    primitive: npt.NDArray[np.int64]
+    side: npt.NDArray[np.int64]
+    smooth: npt.NDArray[np.bool_]
+    textures: tuple[Texture, ...]
+    meshes: tuple[Mesh, ...]
+    solid: npt.NDArray[np.bool_]
+
+    @property
+    def areas(self) -> Points:
+        """(n,)."""
+        cross = np.cross(self.corners[:, 1] - self.corners[:, 0], self.corners[:, 2] - self.corners[:, 0])
+        areas: Points = np.linalg.norm(cross, axis=1) * np.where(self.sides == 3, 0.5, 1.0)
+        return areas
+
+
+class _Surface:
+    """A material as radiosity knows it."""
+
+    def __init__(self, material: Material, name: str) -> None:
+        self.albedo, self.emission = np.zeros(3), np.zeros(3)
+        self.texture: Texture | None = None
+        self.shines_behind = False
+        if isinstance(material, Emitter):
+            self.emission = np.pi * np.array(material.radiance)
+            self.shines_behind = material.two_sided
+            return
+        colour = getattr(material, "colour", None)
+        if colour is None:
+            raise RenderError(f"{name}: a {type(material).__name__} has no colour that radiosity could reflect by")
+        if not isinstance(material, Matte):
+            warnings.warn(
+                f"{name}: radiosity knows only diffuse surfaces; its {type(material).__name__} is drawn as Matte",
+                IsophoteWarning,
+                stacklevel=2,
+            )
+        if isinstance(colour, Texture):
+            self.albedo, self.texture = np.ones(3), colour
+        else:
+            self.albedo = np.array(colour)
+        if (self.albedo > 1).any():
+            raise RenderError(f"{name}: albedo {tuple(self.albedo)} reflects more than it receives; give 1 at most")
+
+
+def faces_of(scene: Scene, cell: float) -> Faces:
+    """The faces of all items and rectangle lights of `scene`; fields are meshed with cells of `cell` metres.
+
+    A closed mesh that is turned outward has faces on its outside only, any other on both sides. Raises `RenderError`
+    for shapes without bounds and materials that reflect more than they receive.
+    """
+    parts: list[dict[str, npt.NDArray[np.generic]]] = []
+    textures: list[Texture] = []
+    meshes: list[Mesh] = []
+    solid: list[bool] = []
+    for number, item in enumerate(scene.items):
+        name = f"items[{number}]"
+        mesh = _mesh_of(item.shape, cell, name)
+        surface = _Surface(item.material, name)
+        solid.append(_add(parts, textures, meshes, mesh, item.transform.matrix, surface, number))
+    for number, light in enumerate(scene.lights, start=len(scene.items)):
+        if isinstance(light, RectLight):
+            surface = _Surface(Emitter(light.radiance_rgb, two_sided=light.two_sided), f"lights[{number}]")
+            matrix = light.transform.matrix
+            solid.append(_add(parts, textures, meshes, rectangle_mesh(light), matrix, surface, number))
+    if not parts:
+        raise RenderError("Radiosity: the scene has no surfaces")
+    joined = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+    return Faces(**joined, textures=tuple(textures), meshes=tuple(meshes), solid=np.array(solid))
+
+
+def _mesh_of(shape: object, cell: float, name: str) -> Mesh:
+    if isinstance(shape, Mesh):
+        return shape
+    if not isinstance(shape, Field):
+        raise RenderError(f"{name}: a {type(shape).__name__} has no surface that radiosity could cut into patches")
+    if not np.isfinite(shape.bounds).all():
+        raise RenderError(f"{name}: an endless field has no patches; cut it, as by field & iso.box(...)")
+    return to_mesh(shape, cell=cell, progress=False)
+
+
+def _add(
+    parts: list[dict[str, npt.NDArray[np.generic]]],
+    textures: list[Texture],
+    meshes: list[Mesh],
+    mesh: Mesh,
+    matrix: Points,
+    surface: _Surface,
+    number: int,
+) -> bool:
+    """The faces of one mesh, its front sides and, if they can be seen, its back sides. Returns whether it is solid."""
+    placed = mesh.vertices @ matrix[:3, :3].T + matrix[:3, 3]
+    turned = bool(np.linalg.det(matrix[:3, :3]) < 0)
+    meshes.append(Mesh.from_polygons(placed, mesh.indices, mesh.offsets))
+    corners, uvs, sides, primitive = _flat_faces(mesh, placed)
+    edge1, edge2 = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    normals = np.cross(edge1, edge2)
+    length = np.linalg.norm(normals, axis=1)
+    real = length > 0
+    corners, uvs, sides, primitive = corners[real], uvs[real], sides[real], primitive[real]
+    normals = normals[real] / length[real, None]
+    texture = -1
+    if surface.texture is not None:
+        texture = len(textures)
+        textures.append(surface.texture)
+    report = topology(mesh)
+    solid = report.closed and report.oriented and _volume(mesh) > 0
+    count = len(sides)
+    for behind in (False, True):
+        if behind and solid:
+            break
+        emission = surface.emission if not behind or surface.shines_behind else np.zeros(3)
+        reverse = behind != turned
+        parts.append(
+            {
+                "corners": _reversed(corners, sides) if reverse else corners,
+                "uvs": _reversed(uvs, sides) if reverse else uvs,
+                "sides": sides,
+                "normals": -normals if reverse else normals,
+                "albedo": np.tile(surface.albedo, (count, 1)),
+                "emission": np.tile(emission, (count, 1)),
+                "texture": np.full(count, texture, np.int64),
+                "item": np.full(count, number, np.int64),
+                "primitive": primitive,
+                "side": np.full(count, int(behind)),
+                "smooth": np.full(count, mesh.normals is not None),
+            }
+        )
+    return bool(solid)
+
+
+def _volume(mesh: Mesh) -> float:
+    """Signed volume: positive where a closed mesh is turned outward."""
+    a, b, c = (mesh.vertices[column] for column in triangulate(mesh).triangles.T)
+    return float((a * np.cross(b, c)).sum() / 6)
+
+
+def _flat_faces(mesh: Mesh, placed: Points) -> tuple[Points, Points, npt.NDArray[np.uint8], npt.NDArray[np.int64]]:
+    """(corners, texture coordinates, sides, face of the mesh): parallelograms whole, all else in triangles."""
+    uv = _corner_uvs(mesh)
+    quads = np.flatnonzero(mesh.face_sizes == 4)
+    own = mesh.offsets[quads, None] + np.arange(4)
+    p = placed[mesh.indices[own]]
+    size = np.maximum(np.linalg.norm(p[:, 2] - p[:, 0], axis=1), np.linalg.norm(p[:, 3] - p[:, 1], axis=1))
+    whole = np.linalg.norm(p[:, 0] + p[:, 2] - p[:, 1] - p[:, 3], axis=1) <= _FLAT * size
+    cut = triangulate(mesh)
+    is_whole = np.zeros(mesh.face_count, bool)
+    is_whole[quads[whole]] = True
+    rest = ~is_whole[cut.face]
+    triangles = placed[cut.triangles[rest]]
+    triangles = np.concatenate([triangles, triangles[:, :1]], axis=1)
+    own = own[whole]
+    corners = np.concatenate([p[whole], triangles])
+    three = cut.corners[rest]
+    uvs = np.concatenate([uv[own], uv[np.concatenate([three, three[:, :1]], axis=1)]])
+    sides = np.repeat(np.array([4, 3], np.uint8), [len(own), len(triangles)])
+    return corners, uvs, sides, np.concatenate([quads[whole], cut.face[rest]]).astype(np.int64)
+
+
+def _corner_uvs(mesh: Mesh) -> Points:
+    """(corners, 2): texture coordinates at the corners of faces; zeros where there are none."""
+    attribute: Attribute | None = mesh.uvs
+    if attribute is None:
+        return np.zeros((len(mesh.indices), 2))
+    rows = mesh.indices if attribute.indices is None else np.maximum(attribute.indices, 0)
+    values: Points = np.asarray(attribute.values[rows, :2], np.float64)
+    return values
+
+
+def _reversed(rows: Points, sides: npt.NDArray[np.uint8]) -> Points:
+    """Faces run the other way round."""
+    return np.where((sides == 3)[:, None, None], rows[:, [0, 2, 1, 0]], rows[:, ::-1])
+
+
+def looked_up(textures: Sequence[Texture], texture: npt.NDArray[np.int64], uvs: Points) -> Points:
+    """(n, 3): the linear colour of texture `texture[i]` at `uvs[i]`, and white where that is −1; nearest texels."""
+    colour = np.ones((len(texture), 3))
+    for number, image in enumerate(textures):
+        own = np.flatnonzero(texture == number)
+        width, height = image.size
+        pixels = image.pixels.reshape(height, width, -1)
+        u, v = uvs[own].T
+        x = _wrapped(np.floor(u * width).astype(np.int64), width, image.wrap)
+        y = _wrapped(np.floor((1 - v) * height).astype(np.int64), height, image.wrap)
+        texels = pixels[y, x].astype(np.float64) / (255.0 if pixels.dtype == np.uint8 else 1.0)
+        texels = texels[:, :1].repeat(3, axis=1) if image.channels == 1 else texels[:, :3]
+        colour[own] = srgb_to_linear(texels) if image.colour_space == "srgb" else texels
+    return colour
+
+
+def _wrapped(place: npt.NDArray[np.int64], size: int, wrap: str) -> npt.NDArray[np.int64]:
+    if wrap == "clamp":
+        return np.clip(place, 0, size - 1)
+    if wrap == "mirror":
+        place = place % (2 * size)
+        return np.where(place < size, place, 2 * size - 1 - place)
+    return place % size

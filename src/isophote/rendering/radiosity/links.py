@@ -1,0 +1,193 @@
+"""Which patches exchange light directly: links between nodes of the tree, made finer where that matters."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TypeAlias
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from isophote.errors import RenderError
+from isophote.kernels.base.table import Packed
+from isophote.kernels.trace.exchange import exchanges
+from isophote.kernels.trace.wave import new_wave
+from isophote.lower.field_table import scratch_words
+from isophote.rendering.pool import Pool
+from isophote.rendering.radiosity.tree import PatchTree
+
+__all__ = ["Limits", "Links", "level"]
+
+Points: TypeAlias = npt.NDArray[np.float64]
+Numbers: TypeAlias = npt.NDArray[np.int64]
+Report: TypeAlias = Callable[[int, int], None]
+
+_WAVE = 272
+_PAIRS_A_JOB = 2048
+# Pairs that are asked for at once: what bounds the memory of a round.
+_MOST_AT_ONCE = 2**21
+_BYTES_A_LINK = 64
+# How much more an uneven source counts than doubtful visibility: its errors add up over links, for light is brightest
+# where much of it is seen from.
+_MIXED = 5.0
+
+
+@attrs.frozen
+class Limits:
+    """`flux`: what a link may be off, in W; `patch`: length of edges in metres below which patches are not cut;
+    `links`: how many there may be."""
+
+    flux: float
+    patch: float
+    links: int
+
+
+def level(light: Points) -> Points:
+    """One number for a colour, by which links are judged: the mean of its channels."""
+    mean: Points = light.mean(axis=1)
+    return mean
+
+
+class Links:
+    """Pairs of nodes (n, 2); for each the part that is visible, what would be exchanged per radiosity if all were, in
+    m², and how far the visible part may be off."""
+
+    def __init__(self, scene: Packed, tree: PatchTree, threads: int | None) -> None:
+        self._scene, self._tree, self._threads = scene, tree, threads
+        self.pairs = np.zeros((0, 2), np.int64)
+        self.seen = np.zeros((0, 3))
+        self.asked = 0
+
+    def __len__(self) -> int:
+        return len(self.pairs)
+
+    def refine(self, light: Points, uneven: Points, limits: Limits, report: Report) -> None:
+        """Split links that carry more error than `limits.flux` while `light` (n, 3) leaves the nodes, and varies by
+        `uneven` (n,) within each; new patches get the values of those that they were cut from.
+
+        Raises `RenderError` where there would be more links than `limits.links`.
+        """
+        state = np.stack([level(light), uneven], axis=1)
+        if self.asked == 0:
+            self._take(self._first_pairs(), state, limits, report)
+            return
+        poor = self._too_coarse(self.pairs, self.seen, state, limits)
+        pairs = self.pairs[poor]
+        self.pairs, self.seen = self.pairs[~poor], self.seen[~poor]
+        self._take(self._split(pairs, limits), state, limits, report)
+
+    def _first_pairs(self) -> Numbers:
+        roots = self._tree.roots
+        a, b = np.triu_indices(len(roots), k=0 if len(roots) == 1 else 1)
+        return np.stack([roots[a], roots[b]], axis=1)
+
+    def _take(self, pairs: Numbers, state: Points, limits: Limits, report: Report) -> None:
+        """Ask for pairs, keep those that will do as links, split the others, until none is left."""
+        kept: list[tuple[Numbers, Points]] = [(self.pairs, self.seen)]
+        waiting, count = [pairs], len(self)
+        while waiting:
+            now = waiting.pop()
+            if len(now) > _MOST_AT_ONCE:
+                waiting.append(now[_MOST_AT_ONCE:])
+                now = now[:_MOST_AT_ONCE]
+            now = self._apart(now)
+            if len(now) == 0:
+                continue
+            state = self._inherited(state)
+            found = self._asked_for(now)
+            poor = self._too_coarse(now, found, state, limits)
+            linked = ~poor & (found[:, 1] > 0)
+            kept.append((now[linked], found[linked]))
+            count += int(linked.sum())
+            if count > limits.links:
+                raise RenderError(
+                    f"Radiosity: more than {limits.links:,} links are needed, some "
+                    f"{limits.links * _BYTES_A_LINK >> 20:,} MB; give larger patches, a larger error or more max_links"
+                )
+            if poor.any():
+                waiting.append(self._split(now[poor], limits))
+            report(count, len(self._tree))
+        self.pairs = np.concatenate([pairs for pairs, _ in kept])
+        self.seen = np.concatenate([seen for _, seen in kept])
+
+    def _inherited(self, state: Points) -> Points:
+        """Values of nodes that came later are those of their parents."""
+        known = len(state)
+        if known == len(self._tree):
+            return state
+        values = np.concatenate([state, np.zeros((len(self._tree) - known, 2))])
+        # Children come after their parents, but may have children within the same round.
+        new = np.arange(known, len(values))
+        for depth in np.unique(self._tree.depth[new]):
+            own = new[self._tree.depth[new] == depth]
+            values[own] = values[self._tree.parent[own]]
+        return values
+
+    def _asked_for(self, pairs: Numbers) -> Points:
+        """(n, 3): what the kernel finds for pairs."""
+        found = np.zeros((len(pairs), 3))
+        patches, pool = self._tree.packed(), Pool(self._threads)
+        words = scratch_words(self._scene.arrays["fields"])
+        waves = [new_wave(_WAVE, words) for _ in range(pool.threads)]
+
+        def work(first: int, thread: int) -> None:
+            last = min(first + _PAIRS_A_JOB, len(pairs))
+            exchanges(self._scene.words, patches.words, waves[thread].words, pairs, found, first, last)
+
+        pool.run(work, range(0, len(pairs), _PAIRS_A_JOB), lambda done: None)
+        if pool.interrupted:
+            raise KeyboardInterrupt
+        self.asked += len(pairs)
+        return found
+
+    def _too_coarse(self, pairs: Numbers, seen: Points, state: Points, limits: Limits) -> npt.NDArray[np.bool_]:
+        """Which pairs carry more error than they may, and can be split."""
+        tree = self._tree
+        (bright, uneven), dull = self._inherited(state).T, level(tree.albedo)
+        a, b = pairs.T
+        visible, exchange, doubt = seen.T
+        hidden = np.maximum(bright[b] * dull[a], bright[a] * dull[b]) * doubt
+        mixed = _MIXED * np.maximum(uneven[b] * dull[a], uneven[a] * dull[b]) * visible
+        with np.errstate(invalid="ignore"):
+            error = np.where(hidden + mixed > 0, exchange * (hidden + mixed), 0.0)
+        able = self._divisible(limits)
+        return (error > limits.flux) & (able[a] | able[b])
+
+    def _divisible(self, limits: Limits) -> npt.NDArray[np.bool_]:
+        tree = self._tree
+        return (tree.first_child >= 0) | ((tree.sides > 0) & (tree.edges >= 2 * limits.patch))
+
+    def _apart(self, pairs: Numbers) -> Numbers:
+        """Pairs of a node with itself are pairs of its children; a flat patch does not see itself."""
+        tree = self._tree
+        done = [pairs[pairs[:, 0] != pairs[:, 1]]]
+        same = pairs[pairs[:, 0] == pairs[:, 1], 0]
+        same = same[tree.sides[same] == 0]
+        while len(same):
+            first, count = tree.first_child[same], tree.children[same]
+            inner = []
+            for i in range(int(count.max())):
+                for j in range(i, int(count.max())):
+                    own = count > j
+                    pair = np.stack([first[own] + i, first[own] + j], axis=1)
+                    if i == j:
+                        inner.append(pair[:, 0])
+                    else:
+                        done.append(pair)
+            same = np.concatenate(inner)
+            same = same[tree.sides[same] == 0]
+        return np.concatenate(done)
+
+    def _split(self, pairs: Numbers, limits: Limits) -> Numbers:
+        """The larger node of each pair replaced by its children; by what can be divided, where only one can."""
+        tree = self._tree
+        able = self._divisible(limits)
+        a, b = pairs.T
+        first = able[a] & (~able[b] | (tree.radii[a] >= tree.radii[b]))
+        chosen, other = np.where(first, a, b), np.where(first, b, a)
+        tree.cut(np.unique(chosen))
+        count = tree.children[chosen]
+        again = np.repeat(np.arange(len(chosen)), count)
+        place = np.arange(len(again)) - np.repeat(np.cumsum(count) - count, count)
+        return np.stack([tree.first_child[chosen[again]] + place, other[again]], axis=1)

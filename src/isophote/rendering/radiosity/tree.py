@@ -1,0 +1,263 @@
+"""Patches as a tree: clusters of faces above, faces in the middle, and what faces are cut into below."""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from isophote.kernels.base.table import Packed
+from isophote.kernels.trace.exchange import PATCHES
+from isophote.rendering.radiosity.coverage import Coverage
+from isophote.rendering.radiosity.faces import Faces, looked_up
+
+__all__ = ["PatchTree", "quarter_centres"]
+
+Points: TypeAlias = npt.NDArray[np.float64]
+Numbers: TypeAlias = npt.NDArray[np.int64]
+
+_WIDTH = 4
+# Albedos are means over so many by so many places of a patch.
+_PLACES = 3
+# Room for the rounding of places in single precision, in parts of the largest coordinate.
+_ROUNDING = 64 * 2.0**-24
+# Faces up to which there are no clusters: all pairs of faces are few.
+_FEW = 24
+
+
+class PatchTree:
+    """Nodes that grow as patches are cut: node k has the columns k of every array.
+
+    `corners` (n, 4, 3), `sides` (0 for clusters), `normals`, `centres` (n, 3), `areas`, `radii`, `parent`,
+    `first_child` (−1: none), `children`, `depth`, `face` (−1 for clusters) and `albedo`, `emission` (n, 3), means by
+    area for clusters. `roots` are the nodes without a parent.
+    """
+
+    def __init__(self, faces: Faces, coverage: Coverage) -> None:
+        self.faces = faces
+        self._coverage = coverage
+        order = _order(faces)
+        count = len(order)
+        self.corners = faces.corners[order]
+        self.uvs = faces.uvs[order]
+        self.sides = faces.sides[order]
+        self.normals = faces.normals[order]
+        self.face = order
+        self.parent = np.full(count, -1, np.int64)
+        self.first_child = np.full(count, -1, np.int64)
+        self.children = np.zeros(count, np.int64)
+        self.depth = np.zeros(count, np.int64)
+        self.emission = faces.emission[order]
+        self.centres, self.areas, self.radii = _measured(self.corners, self.sides)
+        self.albedo = self._albedo(np.arange(count))
+        self.span = np.stack([np.arange(count), np.arange(1, count + 1)], axis=1)
+        self._shares = np.concatenate([[0.0], np.cumsum(self.areas)])[:, None]
+        self._faces = count
+        self.covered = np.zeros(count, np.int32)
+        self.roots = np.arange(count)
+        if count > _FEW:
+            self._cluster()
+        low, high = faces.corners.min(axis=(0, 1)), faces.corners.max(axis=(0, 1))
+        self.bias = _ROUNDING * float(np.abs([low, high]).max())
+        self._cover(np.arange(count))
+
+    def __len__(self) -> int:
+        return len(self.sides)
+
+    @property
+    def leaves(self) -> Numbers:
+        """Patches that are not cut."""
+        return np.flatnonzero((self.first_child < 0) & (self.sides > 0))
+
+    @property
+    def open(self) -> Points:
+        """(n,): the share of each patch that lies within no solid; 1 for clusters."""
+        bits = np.unpackbits(self.covered.astype("<u4").view(np.uint8).reshape(-1, 4), axis=1)
+        share: Points = 1.0 - bits.sum(axis=1) / 16
+        return share
+
+    @property
+    def edges(self) -> Points:
+        """(n,): the longest edge of each node; 0 for clusters."""
+        return _longest_edges(self.corners, self.sides)
+
+    def packed(self) -> Packed:
+        """The nodes as kernels see them."""
+        return PATCHES.pack(
+            corners=np.ascontiguousarray(self.corners.reshape(-1, 12)),
+            sides=self.sides,
+            normals=self.normals,
+            centres=self.centres,
+            sizes=np.stack([self.areas, self.radii, self.open], axis=1),
+            covered=self.covered,
+            first_face=self.span[:, 0].astype(np.int32),
+            last_face=self.span[:, 1].astype(np.int32),
+            faces=np.arange(self._faces, dtype=np.int32),
+            shares=self._shares,
+            bias=self.bias,
+        )
+
+    def cut(self, nodes: Numbers) -> None:
+        """Cut patches that have no children into four each, by the middles of their edges."""
+        nodes = nodes[(self.first_child[nodes] < 0) & (self.sides[nodes] > 0)]
+        if len(nodes) == 0:
+            return
+        first, count = len(self), len(nodes)
+        corners = _quarters(self.corners[nodes], self.sides[nodes])
+        self.first_child[nodes] = first + _WIDTH * np.arange(count)
+        self.children[nodes] = _WIDTH
+        again = np.repeat(nodes, _WIDTH)
+        centres, areas, radii = _measured(corners, self.sides[again])
+        self._append(
+            corners=corners,
+            uvs=_quarters(self.uvs[nodes], self.sides[nodes]),
+            sides=self.sides[again],
+            normals=self.normals[again],
+            face=self.face[again],
+            parent=again,
+            first_child=np.full(len(again), -1),
+            children=np.zeros(len(again), np.int64),
+            depth=self.depth[again] + 1,
+            emission=self.emission[again],
+            centres=centres,
+            areas=areas,
+            radii=radii,
+            albedo=self.albedo[again],
+            span=self.span[again],
+            covered=np.zeros(len(again), np.int32),
+        )
+        made = np.arange(first, len(self))
+        self._cover(made)
+        self.albedo[made] = self._albedo(made)
+
+    def _cover(self, nodes: Numbers) -> None:
+        """Find what of patches lies within solids."""
+        self.covered[nodes] = self._coverage(self.packed(), nodes)
+
+    def _append(self, **columns: npt.NDArray[np.generic]) -> None:
+        for name, rows in columns.items():
+            old = getattr(self, name)
+            setattr(self, name, np.concatenate([old, rows.astype(old.dtype, copy=False)]))
+
+    def _albedo(self, nodes: Numbers) -> Points:
+        """(n, 3): mean albedo of patches."""
+        faces = self.face[nodes]
+        albedo: Points = self.faces.albedo[faces].copy()
+        textured = np.flatnonzero(self.faces.texture[faces] >= 0)
+        if len(textured) == 0:
+            return albedo
+        uvs, total = self.uvs[nodes[textured]], np.zeros((len(textured), 3))
+        for i in range(_PLACES):
+            for j in range(_PLACES):
+                a, b = (i + 0.5) / _PLACES, (j + 0.5) / _PLACES
+                place = _on(uvs, self.sides[nodes[textured]], a, b)
+                total += looked_up(self.faces.textures, self.faces.texture[faces[textured]], place)
+        albedo[textured] *= total / _PLACES**2
+        return albedo
+
+    def _cluster(self) -> None:
+        """Groups of four neighbours in the faces' order, groups of four groups, and so on to one root."""
+        level = self.roots
+        while len(level) > 1:
+            groups = (len(level) + _WIDTH - 1) // _WIDTH
+            starts = _WIDTH * np.arange(groups)
+            sizes = np.diff(np.append(starts, len(level)))
+            areas = np.add.reduceat(self.areas[level], starts)
+
+            def mean(values: Points, starts: Numbers = starts, areas: Points = areas, level: Numbers = level) -> Points:
+                sums: Points = np.add.reduceat(values[level] * self.areas[level, None], starts, axis=0)
+                return sums / areas[:, None]
+
+            centres = mean(self.centres)
+            owner = np.repeat(np.arange(groups), sizes)
+            reach = np.linalg.norm(self.centres[level] - centres[owner], axis=1) + self.radii[level]
+            first = len(self)
+            self.parent[level] = first + owner
+            self._append(
+                corners=np.zeros((groups, 4, 3)),
+                uvs=np.zeros((groups, 4, 2)),
+                sides=np.zeros(groups, np.uint8),
+                normals=np.zeros((groups, 3)),
+                face=np.full(groups, -1),
+                parent=np.full(groups, -1),
+                first_child=level[starts],
+                children=sizes,
+                depth=np.zeros(groups, np.int64),
+                emission=mean(self.emission),
+                centres=centres,
+                areas=areas,
+                radii=np.maximum.reduceat(reach, starts),
+                albedo=mean(self.albedo),
+                covered=np.zeros(groups, np.int32),
+                span=np.stack([self.span[level[starts], 0], self.span[level[starts + sizes - 1], 1]], axis=1),
+            )
+            level = np.arange(first, len(self))
+        self.roots = level
+        self._deepen()
+
+    def _deepen(self) -> None:
+        """Depths from the root down."""
+        level, depth = self.roots, 0
+        while len(level):
+            self.depth[level] = depth
+            inner = level[self.first_child[level] >= 0]
+            level = np.concatenate([self.first_child[inner] + k for k in range(_WIDTH)])
+            own = np.concatenate([self.children[inner] > k for k in range(_WIDTH)])
+            level, depth = level[own], depth + 1
+
+
+def _order(faces: Faces) -> Numbers:
+    """Faces along Morton's curve, so that neighbours in the order are neighbours in space."""
+    middles = faces.corners[:, :3].mean(axis=1)
+    low, high = middles.min(axis=0), middles.max(axis=0)
+    cells = ((middles - low) / max(float((high - low).max()), 1e-300) * 2097151).astype(np.uint64)
+    code = np.zeros(len(cells), np.uint64)
+    for bit in range(21):
+        for axis in range(3):
+            code |= ((cells[:, axis] >> np.uint64(bit)) & np.uint64(1)) << np.uint64(3 * bit + axis)
+    order: Numbers = np.argsort(code, kind="stable")
+    return order
+
+
+def _on(rows: Points, sides: npt.NDArray[np.uint8], a: float, b: float) -> Points:
+    """The place (a, b) of each patch, as kernels put it there."""
+    p, q = (a - b / 2, b / 2) if b <= a else (a / 2, b - a / 2)
+    three = (sides == 3)[:, None]
+    along, across = np.where(three, p, a), np.where(three, q, b)
+    last = np.where(three, rows[:, 2], rows[:, 3])
+    place: Points = rows[:, 0] + along * (rows[:, 1] - rows[:, 0]) + across * (last - rows[:, 0])
+    return place
+
+
+def _quarters(rows: Points, sides: npt.NDArray[np.uint8]) -> Points:
+    """(4n, 4, …): four parts of each patch; the last corner of a triangle repeats its first."""
+    a, b, c, d = (rows[:, k] for k in range(4))
+    ab, bc, ca, cd, da = (a + b) / 2, (b + c) / 2, (c + a) / 2, (c + d) / 2, (d + a) / 2
+    middle = (a + c) / 2
+    quads = [(a, ab, middle, da), (ab, b, bc, middle), (middle, bc, c, cd), (da, middle, cd, d)]
+    triangles = [(a, ab, ca, a), (ab, b, bc, ab), (ca, bc, c, ca), (ab, bc, ca, ab)]
+    four, three = (np.stack([np.stack(part, axis=1) for part in parts], axis=1) for parts in (quads, triangles))
+    chosen: Points = np.where((sides == 3)[:, None, None, None], three, four)
+    return chosen.reshape(-1, *rows.shape[1:])
+
+
+def quarter_centres(corners: Points, sides: npt.NDArray[np.uint8]) -> Points:
+    """(n, 4, 3): centres of the four parts that each patch would be cut into."""
+    return _measured(_quarters(corners, sides), np.repeat(sides, _WIDTH))[0].reshape(-1, _WIDTH, 3)
+
+
+def _measured(corners: Points, sides: npt.NDArray[np.uint8]) -> tuple[Points, Points, Points]:
+    """(centres, areas, radii around the centres) of patches."""
+    three = sides == 3
+    used = np.where(three[:, None, None], corners[:, [0, 1, 2, 0]], corners)
+    centres = np.where(three[:, None], corners[:, :3].mean(axis=1), corners.mean(axis=1))
+    edge1, edge2 = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    areas = np.linalg.norm(np.cross(edge1, edge2), axis=1) * np.where(three, 0.5, 1.0)
+    return centres, areas, np.linalg.norm(used - centres[:, None], axis=2).max(axis=1)
+
+
+def _longest_edges(corners: Points, sides: npt.NDArray[np.uint8]) -> Points:
+    used = np.where((sides == 3)[:, None, None], corners[:, [0, 1, 2, 0]], corners)
+    edges: Points = np.linalg.norm(used - np.roll(used, 1, axis=1), axis=2).max(axis=1)
+    return edges
