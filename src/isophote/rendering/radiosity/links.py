@@ -152,7 +152,8 @@ class Links:
         with np.errstate(invalid="ignore"):
             error = np.where(hidden + mixed > 0, exchange * (hidden + mixed), 0.0)
         able = self._divisible(limits)
-        return (error > limits.flux) & (able[a] | able[b])
+        poor: npt.NDArray[np.bool_] = (error > limits.flux) & (able[a] | able[b])
+        return poor
 
     def _divisible(self, limits: Limits) -> npt.NDArray[np.bool_]:
         tree = self._tree

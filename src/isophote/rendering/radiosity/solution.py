@@ -127,7 +127,7 @@ def picture_of(mesh: Mesh, surface: Surface, settled: Settled, camera: AnyCamera
             origins, directions = _rays(camera, size, rows, shift)
             hits = tracer.closest(origins, directions, coherent=True)
             met = np.flatnonzero(hits.hit)
-            corners = colours[mesh.faces[hits.primitive[met]]]  # type: ignore[index]
+            corners = colours[mesh.faces[hits.primitive[met]]]
             u, v = hits.uv[met].astype(np.float64).T[..., None]
             blended = corners[:, 0] * (1 - u - v) + corners[:, 1] * u + corners[:, 2] * v
             flat = colour[rows].reshape(-1, 3)
