@@ -16,7 +16,9 @@ __all__ = ["METHODS", "new_method"]
 
 # Name on the command line → module in isophote.rendering, and class there.
 METHODS = {
+    "occlusion": ("occlusion.picture", "AmbientOcclusion"),
     "path": ("path_trace", "PathTrace"),
+    "radiosity": ("radiosity.method", "Radiosity"),
     "ray": ("ray_trace", "RayTrace"),
     "sphere": ("sphere_trace", "SphereTrace"),
 }
