@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import itertools
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, NamedTuple, TypeAlias
 
@@ -201,8 +201,8 @@ def _split_level(
     def split(job: tuple[int, int]) -> _Split:
         return _split(rows, data, tapes, level.places, frame, *job)
 
-    states, numbers = [], []
-    for (first, last), found in zip(_jobs(tapes[:, 1]), executor.map(split, _jobs(tapes[:, 1])), strict=True):
+    jobs, states, numbers = _jobs(tapes[:, 1]), [], []
+    for (first, last), found in zip(jobs, executor.map(split, jobs), strict=True):
         own = np.broadcast_to(level.tapes[first:last, None], found.states.shape)
         states.append(found.states)
         if store.rows + len(found.rows) <= _MOST_ROWS:
@@ -214,15 +214,11 @@ def _split_level(
     return np.concatenate(states), np.concatenate(numbers).astype(np.int32)
 
 
-def _jobs(lengths: Ints) -> Iterator[tuple[int, int]]:
-    """Runs of regions whose children cannot have more than so many rows; it does not depend on the threads."""
-    first, total = 0, 0
-    for i, length in enumerate(lengths.tolist()):
-        if i > first and total + CHILDREN * length > _JOB_ROWS:
-            yield first, i
-            first, total = i, 0
-        total += CHILDREN * length
-    yield first, len(lengths)
+def _jobs(lengths: Ints) -> list[tuple[int, int]]:
+    """Runs of regions whose children have about so many rows at most; it does not depend on the threads."""
+    number = CHILDREN * np.cumsum(lengths, dtype=np.int64) // _JOB_ROWS
+    ends = np.flatnonzero(np.diff(number)) + 1
+    return list(itertools.pairwise([0, *ends.tolist(), len(lengths)]))
 
 
 def _split(

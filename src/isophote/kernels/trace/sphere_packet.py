@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from isophote.kernels.accel import field_layout as layout
@@ -28,8 +26,8 @@ _RESULT, _ONE_VECTOR = np.int64(op.INPUTS - 1), np.int64(1)
 @device
 def _axis_cell(fields, k, axis, place, cells, size):
     """Number along an axis of the finest cell that a coordinate lies in."""
-    u = (place - fields.cubes[k, layout.CELLS + axis]) * cells
-    return min(max(np.int64(math.floor(u)), 0), size - 1)
+    # What lies below the root counts as its first cell, so that cutting off is as good as rounding down.
+    return min(max(np.int64((place - fields.cubes[k, layout.CELLS + axis]) * cells), 0), size - 1)
 
 
 @device
@@ -39,7 +37,7 @@ def region_at(fields, k, x, y, z):
     levels = np.int64(fields.numbers[k, layout.LEVELS])
     side = fields.cubes[k, layout.SIDE]
     size = np.int64(1) << (2 * levels)
-    cells = np.float32(size) / side
+    cells, unit = np.float32(size) / side, side / np.float32(size)
     cx, cy, cz = (
         _axis_cell(fields, k, 0, x, cells, size),
         _axis_cell(fields, k, 1, y, cells, size),
@@ -52,14 +50,13 @@ def region_at(fields, k, x, y, z):
         shift -= 2
         at = code * NODE + ((cx >> shift) & 3) + 4 * ((cy >> shift) & 3) + 16 * ((cz >> shift) & 3)
         code, tape = np.int64(fields.nodes[at]), np.int64(fields.nodes[at + CHILDREN])
-    width = np.float32(np.int64(1) << shift) / cells
     return (
         code,
         FIRST_TAPE - code if code <= FIRST_TAPE else tape,
-        fields.cubes[k, layout.CELLS] + np.float32((cx >> shift) << shift) / cells,
-        fields.cubes[k, layout.CELLS + 1] + np.float32((cy >> shift) << shift) / cells,
-        fields.cubes[k, layout.CELLS + 2] + np.float32((cz >> shift) << shift) / cells,
-        width,
+        fields.cubes[k, layout.CELLS] + np.float32((cx >> shift) << shift) * unit,
+        fields.cubes[k, layout.CELLS + 1] + np.float32((cy >> shift) << shift) * unit,
+        fields.cubes[k, layout.CELLS + 2] + np.float32((cz >> shift) << shift) * unit,
+        np.float32(np.int64(1) << shift) * unit,
     )
 
 
