@@ -190,6 +190,23 @@ def test_a_camera_under_water():
     assert way[1].weight[0] == pytest.approx(chain(WATER, 1) * WATER**2, rel=1e-5)
 
 
+@pytest.mark.parametrize("method", ["ray", "path"])
+def test_a_camera_in_media_knows_them(method):
+    """In ice within water: what is seen of a wall in the water is absorbed by both on the way."""
+    wall = iso.Item(block((-1, -1, -2.1), (1, 1, -2)), iso.Emitter(1.0))
+    items = [
+        wall,
+        iso.Item(block((-3, -3, -3), (3, 3, 3)), iso.Glass(1.0, absorption=0.3)),
+        iso.Item(block((-1, -1, -1), (1, 1, 1)), iso.Glass(1.0, absorption=0.8)),
+    ]
+    camera = seen_along((0.1, 0.1, 0.5), (0, 0, -1))
+    settings = {"samples": 1} if method == "ray" else {"method": iso.PathTrace(samples=4)}
+    assert mean(items, camera, **settings) == pytest.approx(math.exp(-0.8 * 1.5 - 0.3 * 1.0), rel=1e-5)
+    # The wall alone, in the water from the start.
+    before = seen_along((0.1, 0.1, -1.5), (0, 0, -1))
+    assert mean(items, before, **settings) == pytest.approx(math.exp(-0.3 * 0.5), rel=1e-5)
+
+
 def test_light_inside_a_medium_is_absorbed_on_its_way_to_surfaces():
     """A lamp and a matte floor in one block of ice: exp(−σ d) between them, in both tracers."""
     sigma = 0.9

@@ -12,6 +12,7 @@ from isophote.kernels.trace.tables import PLAN
 from isophote.kernels.trace.wave import new_wave
 from isophote.lower.field_table import scratch_words
 from isophote.lower.scene import lower_scene
+from isophote.rendering.camera_media import media_around, packed_media
 from isophote.rendering.film import Film
 from isophote.rendering.image import Image
 from isophote.rendering.method import Job, checked_accelerator, first_hit_channels
@@ -62,10 +63,11 @@ class PathTrace:
         warm_up(job.report, job.scene, "path")
         began = time.monotonic()
         job.report("building the tree", 0.0)
+        around = media_around(job.scene, job.threads)
         scene = lower_scene(job.scene, job.size, job.threads, self.accelerator)
         job.report("building the tree", 1.0)
         pool = Pool(job.threads)
-        film = self._trace(scene, job, pool, began)
+        film = self._trace(scene, packed_media(scene, around), job, pool, began)
         channels = first_hit_channels(scene, job.size, Pool(job.threads))
         metadata = {
             "method": repr(self),
@@ -77,7 +79,7 @@ class PathTrace:
             metadata["stopped"] = "interrupted before all samples were taken"
         return Image({**film.channels(), **channels}, metadata)
 
-    def _trace(self, scene: Packed, job: Job, pool: Pool, began: float) -> Film:
+    def _trace(self, scene: Packed, inside: int, job: Job, pool: Pool, began: float) -> Film:
         table = filter_table(as_pixel_filter(self.filter))
         film = Film(job.size, table)
         width, height = job.size
@@ -89,6 +91,7 @@ class PathTrace:
             pattern=PATTERNS[self.pattern],
             offsets=table.offsets,
             crossings=table.crossings,
+            inside=inside,
             max_depth=self.max_depth,
             roulette_depth=_ROULETTE,
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, TypeAlias
 
 import attrs
@@ -12,11 +13,13 @@ from isophote.errors import RenderError
 from isophote.kernels.base.table import Packed
 from isophote.kernels.trace import ray_log as columns
 from isophote.lower.scene import lower_scene
+from isophote.rendering.camera_media import media_around
 from isophote.rendering.method import Job
 from isophote.rendering.pixel_filter import as_pixel_filter, filter_table
 from isophote.rendering.pool import Tile
 from isophote.rendering.ray_tiles import RayTiles, new_log
 from isophote.rendering.ray_trace import RayTrace
+from isophote.scene.material import Glass
 
 __all__ = ["LightTerm", "LoggedRay", "PixelLog", "log_pixel"]
 
@@ -120,20 +123,31 @@ def log_pixel(job: Job, method: RayTrace, pixel: tuple[int, int]) -> PixelLog:
     if not (0 <= x < width and 0 <= y < height):
         raise RenderError(f"pixel must be (column, row) within {width} × {height}, not {pixel!r}")
     method = attrs.evolve(method, seconds=None, noise=None)
+    around = media_around(job.scene, job.threads)
     scene = lower_scene(job.scene, job.size, job.threads, method.accelerator)
-    log, tiles = _traced(scene, job, method, Tile(x, x + 1, y, y + 1), _FIRST_RAYS, _FIRST_LIGHTS)
+    log, tiles = _traced(scene, job, method, around, (x, y), _FIRST_RAYS, _FIRST_LIGHTS)
     rays, lights = (int(count) for count in log.arrays["counts"])
     if rays > _FIRST_RAYS or lights > _FIRST_LIGHTS:
-        log, tiles = _traced(scene, job, method, Tile(x, x + 1, y, y + 1), rays, lights)
+        log, tiles = _traced(scene, job, method, around, (x, y), rays, lights)
     r, g, b = tiles.film.mean()[y, x].tolist()
     return PixelLog((x, y), (r, g, b), _records(log, rays, lights, _shares(log, rays, method, width * height)))
 
 
-def _traced(scene: Packed, job: Job, method: RayTrace, tile: Tile, rays: int, lights: int) -> tuple[Packed, RayTiles]:
+def _traced(
+    scene: Packed,
+    job: Job,
+    method: RayTrace,
+    around: Sequence[Glass],
+    pixel: tuple[int, int],
+    rays: int,
+    lights: int,
+) -> tuple[Packed, RayTiles]:
+    """A log with so many rows, and the film of the pixel alone."""
+    x, y = pixel
     log = new_log(rays, lights)
-    tiles = RayTiles(method, scene, job, 1, log)
-    tiles.film.target[tile.y0, tile.x0] = method.limits.planned
-    tiles.trace(tile, 0)
+    tiles = RayTiles(method, scene, job, 1, around, log)
+    tiles.film.target[y, x] = method.limits.planned
+    tiles.trace(Tile(x, x + 1, y, y + 1), 0)
     return log, tiles
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Protocol, TypeAlias
 
 import numpy as np
@@ -16,11 +17,13 @@ from isophote.kernels.trace.shadow_tint import shadow_tint
 from isophote.kernels.trace.tables import PLAN
 from isophote.kernels.trace.wave import new_wave
 from isophote.lower.field_table import scratch_words
+from isophote.rendering.camera_media import packed_media
 from isophote.rendering.film import Film
 from isophote.rendering.method import Job
 from isophote.rendering.passes import PATTERNS, Limits
 from isophote.rendering.pixel_filter import PixelFilter, as_pixel_filter, filter_table
 from isophote.rendering.pool import Tile
+from isophote.scene.material import Glass
 
 __all__ = ["RaySettings", "RayTiles", "new_log"]
 
@@ -52,9 +55,18 @@ class RaySettings(Protocol):
 
 
 class RayTiles:
-    """The film of a lowered scene's picture, `rays` (h, w), the number of rays of each pixel, and what fills them."""
+    """The film of a lowered scene's picture, `rays` (h, w), the number of rays of each pixel, and what fills them; the
+    camera stands in the glass `around`."""
 
-    def __init__(self, settings: RaySettings, scene: Packed, job: Job, threads: int, log: Packed | None = None) -> None:
+    def __init__(
+        self,
+        settings: RaySettings,
+        scene: Packed,
+        job: Job,
+        threads: int,
+        around: Sequence[Glass] = (),
+        log: Packed | None = None,
+    ) -> None:
         table = filter_table(as_pixel_filter(settings.filter))
         width, height = job.size
         self.film = Film(job.size, table)
@@ -68,6 +80,7 @@ class RayTiles:
             pattern=PATTERNS[settings.pattern],
             offsets=table.offsets,
             crossings=table.crossings,
+            inside=packed_media(scene, around),
             max_depth=settings.depth,
             roulette_depth=settings.depth,
         )

@@ -10,6 +10,7 @@ import numpy as np
 
 from isophote.errors import RenderError
 from isophote.lower.scene import lower_scene
+from isophote.rendering.camera_media import media_around
 from isophote.rendering.image import Image
 from isophote.rendering.method import Job, checked_accelerator, first_hit_channels
 from isophote.rendering.passes import MOST_SAMPLES, PATTERNS, Limits, trace_passes
@@ -77,10 +78,11 @@ class RayTrace:
         warm_up(job.report, job.scene, "ray")
         began = time.monotonic()
         job.report("building the tree", 0.0)
+        around = media_around(job.scene, job.threads)
         scene = lower_scene(job.scene, job.size, job.threads, self.accelerator)
         job.report("building the tree", 1.0)
         pool = Pool(job.threads)
-        tiles = RayTiles(self, scene, job, pool.threads)
+        tiles = RayTiles(self, scene, job, pool.threads, around)
         film, rays = tiles.film, tiles.rays
         trace_passes(tiles.trace, film, self.limits, job, pool, "ray tracing", began)
         channels = first_hit_channels(scene, job.size, Pool(job.threads))

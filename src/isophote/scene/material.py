@@ -69,7 +69,7 @@ class Glass(Material):
     Solids of glass may lie within each other, and the index outside is then that of the outer one. Where they overlap,
     as ice that sticks out of water, or water drawn a little into its glass, the one of the higher `priority` is there,
     or, of equals, the one that a ray entered last (Schmidt, Budge: "Simple Nested Dielectrics in Ray Traced Images",
-    JGT 7(2), 2002). Surfaces must be closed for that.
+    JGT 7(2), 2002). Surfaces must be closed for that. A camera may stand in it.
 
     `roughness` from 0, smooth, to 1, ground, is a number or a `Texture`, or a pair of them, along the direction in
     which texture coordinate u grows and across it: α = roughness², microfacets after Walter et al., EGSR 2007.

@@ -92,7 +92,7 @@ def start_paths(tables, plan, film, tile, place, wave):
         set_row_vec3(floats, rows.RADIANCE, i, vec3(_ZERO, _ZERO, _ZERO))
         floats[rows.DENSITY, i] = _ZERO
         floats[rows.HIT_T, i] = _FAR
-        wave.longs[rows.INSIDE, i] = 0
+        wave.longs[rows.INSIDE, i] = plan.inside
     return count, place
 
 

@@ -28,8 +28,9 @@ SCENE = Table(
     camera=FLOAT_ROWS,
 )
 
-# How a picture is sampled: its size, the samples planned for a pixel, seed, pattern (sampler.py), reconstruction
-# filter (film.py), longest path in rays, and the number of rays after which paths may end by chance.
+# How a picture is sampled: its size, the samples planned for a pixel, seed, pattern (sampler.py), reconstruction filter
+# (film.py), media that the camera stands in (medium.py), longest path in rays, and the number of rays after which paths
+# may end by chance.
 PLAN = Table(
     "Plan",
     width=INT,
@@ -39,6 +40,7 @@ PLAN = Table(
     pattern=INT,
     offsets=FLOATS,
     crossings=FLOATS,
+    inside=INT,
     max_depth=INT,
     roulette_depth=INT,
 )

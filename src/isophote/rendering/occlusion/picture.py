@@ -95,6 +95,7 @@ class AmbientOcclusion:
             pattern=PATTERNS["blue-noise"],
             offsets=table.offsets,
             crossings=table.crossings,
+            inside=0,
             max_depth=1,
             roulette_depth=1,
         )
