@@ -6,11 +6,11 @@ from collections import Counter
 from collections.abc import Iterable
 from typing import Any, TypeAlias
 
-import attrs
 import numpy as np
 
+from isophote.scene.light import Environment
+from isophote.scene.material_base import textures_of
 from isophote.scene.scene import Scene
-from isophote.scene.texture import Texture
 from isophote.shapes.mesh import Attribute, FaceLabels, Mesh
 
 __all__ = ["Facts", "mesh_facts", "scene_facts"]
@@ -78,6 +78,6 @@ def _by_kind(members: Iterable[object]) -> dict[str, int]:
 
 def _textures(scene: Scene) -> set[int]:
     """Identities of the textures of all materials and of the sky."""
-    owners: list[Any] = [*(item.material for item in scene.items), *scene.lights]
-    values = (getattr(owner, field.name) for owner in owners for field in attrs.fields(type(owner)))
-    return {id(value) for value in values if isinstance(value, Texture)}
+    found = [texture for item in scene.items for texture in textures_of(item.material)]
+    found += [light.texture for light in scene.lights if isinstance(light, Environment)]
+    return {id(texture) for texture in found}

@@ -15,7 +15,8 @@ from isophote.kernels.light.texture import TEXTURES
 from isophote.lower.node import Node, no_nodes
 from isophote.scene.colour import srgb_to_linear
 from isophote.scene.material import Emitter, Glass, Matte, Mirror, Principled
-from isophote.scene.material_base import ColourParameter, Material, shown_colour
+from isophote.scene.material_base import ColourParameter, Material
+from isophote.scene.nearest import nearest_principled
 from isophote.scene.texture import Texture
 
 __all__ = ["MaterialTable", "emission_of", "is_linked"]
@@ -25,6 +26,7 @@ Floats: TypeAlias = npt.NDArray[np.float32]
 _WRAP = {"repeat": texture.REPEAT, "clamp": texture.CLAMP, "mirror": texture.MIRROR}
 _FILTER = {"bilinear": texture.BILINEAR, "nearest": texture.NEAREST}
 _FLOAT_TEXELS = 2
+_BLACK = (0.0, 0.0, 0.0)
 
 
 class _Row(NamedTuple):
@@ -32,9 +34,9 @@ class _Row(NamedTuple):
     of single directions that light is sent to, and the node of a kind that is called by address."""
 
     kind: int
-    colour: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    colour: tuple[float, float, float] = _BLACK
     texture: Texture | None = None
-    emission: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    emission: tuple[float, float, float] = _BLACK
     ior: float = 1.0
     two_sided: bool = False
     branches: int = 0
@@ -59,16 +61,16 @@ def _linked(material: Material) -> _Row:
     # Loaded where there is such a material: others are drawn sooner without.
     from isophote.lower.lobes import node_of
 
-    node = node_of(material)
-    row = _shown(bsdf.LINKED, shown_colour(material))._replace(branches=node.branches, node=node)
-    if isinstance(material, Principled):
-        return row._replace(
-            colour=material.colour,
-            texture=material.colour_texture,
-            emission=material.emission,
-            two_sided=material.two_sided,
-        )
-    return row
+    node, shown = node_of(material), nearest_principled(material)
+    return _Row(
+        bsdf.LINKED,
+        shown.colour,
+        shown.colour_texture,
+        material.emission if isinstance(material, Principled) else _BLACK,
+        two_sided=isinstance(material, Principled) and material.two_sided,
+        branches=node.branches,
+        node=node,
+    )
 
 
 def _shown(kind: int, colour: ColourParameter) -> _Row:

@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 import attrs
 
 from isophote.errors import SceneError
-from isophote.scene.colour import WHITE, Colour, ColourLike
+from isophote.scene.colour import Colour, ColourLike
 from isophote.scene.colour import colour as as_colour
 from isophote.scene.texture import Texture
 
@@ -21,7 +21,6 @@ __all__ = [
     "number_or_texture",
     "roughness",
     "roughness_pair",
-    "shown_colour",
     "textures_of",
 ]
 
@@ -46,17 +45,6 @@ def textures_of(material: Material) -> list[Texture]:
             elif isinstance(part, Material):
                 found += textures_of(part)
     return found
-
-
-def shown_colour(material: Material) -> ColourParameter:
-    """The colour that stands for a material where nothing but a colour can: its own, or that of what lies below."""
-    for name in ("colour", "base", "body", "first"):
-        found = getattr(material, name, None)
-        if isinstance(found, Material):
-            return shown_colour(found)
-        if found is not None:
-            return found  # type: ignore[no-any-return]
-    return WHITE
 
 
 def colour_or_texture(value: ColourLike | Texture) -> ColourParameter:

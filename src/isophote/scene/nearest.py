@@ -6,11 +6,12 @@ import math
 
 import attrs
 
-from isophote.scene.colour import Colour
+from isophote.scene.colour import WHITE, Colour
 from isophote.scene.compound import Coated, Mix, Plastic
 from isophote.scene.gloss import AshikhminShirley, Blinn, Phong, Ward
 from isophote.scene.material import Emitter, Glass, Mirror, Principled
-from isophote.scene.material_base import Material, NumberParameter, shown_colour
+from isophote.scene.material_base import ColourParameter, Material, NumberParameter
+from isophote.scene.measured import Measured
 from isophote.scene.metal import Metal
 from isophote.scene.texture import Texture
 
@@ -33,11 +34,28 @@ def nearest_principled(material: Material) -> Principled:
         chosen = material.first if _number(material.amount) < 0.5 else material.second
         return nearest_principled(chosen)
     metallic = 1.0 if isinstance(material, Metal | Mirror) else 0.0
-    colour = _facing(material) if isinstance(material, Metal) else shown_colour(material)
+    colour = _colour(material)
     rough = _roughness(material)
     if isinstance(colour, Texture):
         return Principled(1.0, metallic, rough, colour_texture=colour, two_sided=True)
     return Principled(colour, metallic, rough, two_sided=True)
+
+
+def _colour(material: Material) -> ColourParameter:
+    if isinstance(material, Metal):
+        return _facing(material)
+    if isinstance(material, Measured):
+        return _body(material)
+    colour: ColourParameter = getattr(material, "colour", WHITE)
+    return colour
+
+
+def _body(measured: Measured) -> Colour:
+    """Albedo of what lies below the highlight, as far as a table tells: where half directions are flat."""
+    halves, differences = measured.values.shape[0] // 2, measured.values.shape[1] * 2 // 3
+    mean = math.pi * measured.values[halves:, :differences].mean(axis=(0, 1, 2), dtype=float)
+    red, green, blue = mean.clip(0.0, 1.0).tolist()
+    return red, green, blue
 
 
 def _number(parameter: NumberParameter) -> float:
