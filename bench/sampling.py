@@ -212,7 +212,7 @@ def tell_adaptive(size: int, rounds: int, reference: int) -> None:
     for name, (make, levels) in scenes.items():
         scene = make()
         truth = colour(picture(scene, size, 99, samples=reference, pattern="sobol"))
-        even = np.array([_timed(scene, truth, size, rounds, samples=n) for n in 2 ** np.arange(4, 12)])
+        even = np.array([_timed(scene, truth, size, rounds, samples=n) for n in 2 ** np.arange(4, 11)])
         for noise in levels:
             error, samples, seconds, bias = _timed(scene, truth, size, rounds, noise=noise)
             # Samples and seconds of even pictures of the same error, between powers of two.

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from numba import njit
 
+import isophote as iso
+from isophote.errors import RenderError
 from isophote.kernels.base.sampler import (
     BLUE_NOISE,
     INDEPENDENT,
@@ -168,6 +170,35 @@ def test_many_at_once_are_the_same_as_one_by_one_in_any_grouping(pattern):
         drawn(pattern, 3, pixels[part].copy(), samples[part].copy(), 7, 100, size, a, b)
         assert np.array_equal(a, u[part])
         assert np.array_equal(b, v[part])
+
+
+def test_patterns_as_arrays_are_what_pixels_take():
+    found = iso.sample_pattern("blue-noise", 5, size=(4, 3), dimension=2, seed=1)
+    assert found.shape == (3, 4, 5, 2)
+    assert np.array_equal(found[1, 3], sample(BLUE_NOISE, 5, pixel=pixel_numbers([3], [1])[0]))
+    for settings in (("halton", 4), ("sobol", 0), ("sobol", 2.5), ("sobol", 2**21)):
+        with pytest.raises(RenderError):
+            iso.sample_pattern(*settings)
+    with pytest.raises(RenderError, match="points"):
+        iso.sample_pattern("sobol", 2**20, size=(100, 100))
+    with pytest.raises(RenderError, match="dimension"):
+        iso.sample_pattern("sobol", 1, dimension=-1)
+
+
+def test_errors_of_neighbours_cancel():
+    """The error of a picture of an integral has little power at low frequencies, where white noise has its share."""
+    radius = np.hypot(np.fft.fftfreq(64)[:, None], np.fft.fftfreq(64)[None, :])
+    low = radius < 1 / 8
+    shares = {}
+    for name in ("sobol", "blue-noise"):
+        power = np.zeros((64, 64))
+        for dimension in range(4):
+            points = iso.sample_pattern(name, 4, size=(64, 64), dimension=dimension).astype(np.float64)
+            value = (np.sin(3 * points[..., 0]) * np.exp(points[..., 1])).mean(axis=2)
+            power += np.abs(np.fft.fft2(value - value.mean())) ** 2
+        shares[name] = power[low].sum() / power.sum() / low.mean()
+    assert 0.8 < shares["sobol"] < 1.2
+    assert shares["blue-noise"] < 0.3
 
 
 def test_stratified_patterns_integrate_better_than_independent_points():

@@ -110,6 +110,7 @@ _HOME = {
     "rounded_box": "shapes.field.solids",
     "rounded_cone": "shapes.field.rounds",
     "rounded_rectangle": "shapes.field.field2",
+    "sample_pattern": "rendering.pattern",
     "save": "io.save",
     "screen_occlusion": "rendering.occlusion.screen",
     "segment": "shapes.field.field2",

@@ -13,15 +13,15 @@ padded, that is, shuffled against each other.
                   (Ahmed, Wonka: "Screen-Space Blue-Noise Diffusion of Monte Carlo Sampling Error via Hierarchical
                   Ordering of Pixels", SIGGRAPH Asia 2020)
 
-Pixels are numbered by `pixel_number`, so that pixels of near numbers are near. The loops are over plain arrays, so that
-the compiler does eight at a time.
+Pixels are numbered by `pixel_number`, so that pixels of near numbers are near. Loops are over plain arrays, and what
+they call is inlined however long it is, so that the compiler does eight at a time.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from isophote.kernels.base.jit import device
+from isophote.kernels.base.jit import device, exact_inline
 from isophote.kernels.base.random import combine, mix, owen, permute, reverse_bits, sobol_1, unit_float
 
 __all__ = ["BLUE_NOISE", "INDEPENDENT", "JITTERED", "REGULAR", "SOBOL", "draw_pairs", "pair", "pixel_number"]
@@ -60,7 +60,7 @@ def pixel_number(x, y):
     return _U(_spread(_U(x)) | (_spread(_U(y)) << _U(1)))
 
 
-@device
+@exact_inline
 def _sobol_point(index, key):
     """Point of an Owen-scrambled Sobol sequence, whose order is shuffled too; `index` has its bits in reverse order."""
     index = reverse_bits(owen(index, key))
@@ -74,7 +74,7 @@ def _sobol_pair(key, sample):
     return _sobol_point(reverse_bits(sample), key)
 
 
-@device
+@exact_inline
 def _turned(number, key):
     """A pixel's number by another curve: at every scale rows, columns or diagonals of four squares come together.
 
@@ -89,22 +89,23 @@ def _turned(number, key):
 
 
 @device
-def _bits_of(count):
-    """Bits of the number of a sample out of `count`."""
-    bits = np.int64(0)
-    while (np.int64(1) << bits) < np.int64(count):
-        bits += 1
-    return _U(bits)
+def _power_above(count):
+    """The least power of two that is not below `count`."""
+    power = np.int64(1)
+    while power < np.int64(count):
+        power *= 2
+    return _U(power)
 
 
-@device
-def _blue_noise_pair(key, pixel, sample, bits):
-    """Each pixel takes 2^`bits` points in a row. The 32 bits of a place in the sequence are enough for a square of
-    2^(32 − bits) pixels; other squares, and samples beyond 2^bits, have sequences of their own."""
-    turn = _U(_U(_U(sample >> _U(1)) >> _U(bits - _U(1))) if bits > _U(0) else sample)
-    square = _U(_U(pixel >> _U(1)) >> _U(_U(31) - bits))
-    key = _U(key ^ mix(_U(square ^ _U(turn * _U(0x9E3779B1)))))
-    index = _U(_U(_turned(pixel, key) << bits) | _U(sample & _U(_U(_U(1) << bits) - _U(1))))
+@exact_inline
+def _blue_noise_pair(key, pixel, sample, block):
+    """Each pixel takes `block` points in a row, a power of two. The 32 bits of a place in the sequence are enough for a
+    square of 2^32 / `block` pixels; other squares, and samples beyond a block, have sequences of their own."""
+    within = _U(block - _U(1))
+    # Products instead of shifts, so that the compiler does eight at a time.
+    square = _U((np.uint64(pixel) * np.uint64(block)) >> np.uint64(32))
+    key = _U(key ^ mix(_U(square ^ _U(_U(sample & _U(~within)) * _U(0x9E3779B1)))))
+    index = _U(_U(_turned(pixel, key) * block) | _U(sample & within))
     return _sobol_point(reverse_bits(index), key)
 
 
@@ -147,7 +148,7 @@ def pair(pattern, seed, pixel, sample, count, dimension):
     """The two numbers of one (pixel, sample, dimension); `count` is the number of samples planned for a pixel."""
     seed, pixel, sample, dimension = _U(seed), _U(pixel), _U(sample), _U(dimension)
     if pattern == BLUE_NOISE:
-        return _blue_noise_pair(combine(seed, dimension), pixel, sample, _bits_of(count))
+        return _blue_noise_pair(combine(seed, dimension), pixel, sample, _power_above(count))
     key = _key(seed, pixel, dimension)
     if pattern == SOBOL:
         return _sobol_pair(key, sample)
@@ -163,9 +164,9 @@ def draw_pairs(pattern, seed, pixels, samples, count, dimension, n, out_u, out_v
     """`pair` for the first `n` of the (pixel, sample) given, into `out_u` and `out_v`."""
     seed, dimension, count = _U(seed), _U(dimension), _U(count)
     if pattern == BLUE_NOISE:
-        key, bits = combine(seed, dimension), _bits_of(count)
+        key, block = combine(seed, dimension), _power_above(count)
         for i in range(n):
-            out_u[i], out_v[i] = _blue_noise_pair(key, pixels[i], samples[i], bits)
+            out_u[i], out_v[i] = _blue_noise_pair(key, pixels[i], samples[i], block)
     elif pattern == SOBOL:
         for i in range(n):
             out_u[i], out_v[i] = _sobol_pair(_key(seed, pixels[i], dimension), samples[i])
