@@ -259,7 +259,7 @@ def test_every_method_of_the_table_can_be_made() -> None:
         (("scene.obj", "-o", "x.png", "--size", "abc"), "such as 640x480"),
         (("scene.obj", "-o", "x.png", "--size", "640"), "such as 640x480"),
         (("scene.obj", "-o", "x.png", "--size", "-4x3"), "such as 640x480"),
-        (("scene.obj", "-o", "x.png", "--method", "magic"), "is not one of path"),
+        (("scene.obj", "-o", "x.png", "--method", "magic"), "is not one of occlusion, path"),
         (("scene.obj", "-o", "x.png", "--filter", "magic"), "is not one of box, tent, gaussian, mitchell"),
         (("scene.obj", "-o", "x.png", "--backend", "abacus"), "is not one of auto, cpu"),
         (("scene.obj", "-o", "x.png", "--samples", "many"), "samples"),

@@ -19,7 +19,10 @@ from isophote.rendering.pixel_filter import as_pixel_filter, filter_table
 from isophote.rendering.pool import Tile
 from isophote.rendering.ray_tiles import RayTiles, new_log
 from isophote.rendering.ray_trace import RayTrace
+from isophote.scene.light import RectLight
 from isophote.scene.material import Glass
+from isophote.scene.scene import Scene
+from isophote.shapes.mesh import Mesh
 
 __all__ = ["LightTerm", "LoggedRay", "PixelLog", "log_pixel"]
 
@@ -74,9 +77,10 @@ class LoggedRay:
     ray, in the pixel's. `ended` says why a ray was not traced: "depth", "weight", or None for those that were.
 
     `met` is "surface", "light" or "nothing", `item` that item's or light's number, `primitive` the face's and
-    `barycentric` the weights of its triangle's corners. `tint` is what the medium on the way left of the light,
-    `emitted` what came from the surface, light or sky itself, `ambient` what the surface scatters of a constant sky.
-    Then colour = tint · (emitted + ambient + Σ colour of `lights` + Σ weight · colour of its branches).
+    `barycentric` the weights of its triangle's corners (None on what has no triangles). `tint` is what the medium on
+    the way left of the light, `emitted` what came from the surface, light or sky itself, `ambient` what the surface
+    scatters of a constant sky. Then colour = tint · (emitted + ambient + Σ colour of `lights` + Σ weight · colour of
+    its branches).
     """
 
     sample: int
@@ -91,7 +95,7 @@ class LoggedRay:
     distance: float
     item: int
     primitive: int
-    barycentric: Triple
+    barycentric: Triple | None
     place: Triple
     normal: Triple
     shading: Triple
@@ -130,7 +134,14 @@ def log_pixel(job: Job, method: RayTrace, pixel: tuple[int, int]) -> PixelLog:
     if rays > _FIRST_RAYS or lights > _FIRST_LIGHTS:
         log, tiles = _traced(scene, job, method, around, (x, y), rays, lights)
     r, g, b = tiles.film.mean()[y, x].tolist()
-    return PixelLog((x, y), (r, g, b), _records(log, rays, lights, _shares(log, rays, method, width * height)))
+    shares = _shares(log, rays, method, width * height)
+    return PixelLog((x, y), (r, g, b), _records(log, rays, lights, shares, _in_triangles(job.scene)))
+
+
+def _in_triangles(scene: Scene) -> frozenset[int]:
+    """Numbers of the items and lights that are made of triangles."""
+    shapes = [item.shape for item in scene.items] + list(scene.lights)
+    return frozenset(number for number, shape in enumerate(shapes) if isinstance(shape, Mesh | RectLight))
 
 
 def _traced(
@@ -164,14 +175,14 @@ def _shares(log: Packed, rays: int, method: RayTrace, pixels: int) -> Array:
     return np.where(camera, np.where(below, under, over), 1.0)
 
 
-def _records(log: Packed, rays: int, lights: int, shares: Array) -> tuple[LoggedRay, ...]:
+def _records(log: Packed, rays: int, lights: int, shares: Array, cut: frozenset[int]) -> tuple[LoggedRay, ...]:
     values, numbers = log.arrays["rays"][:rays].astype(np.float64), log.arrays["ray_numbers"][:rays]
     terms: list[list[LightTerm]] = [[] for _ in range(rays)]
     for row, number in zip(log.arrays["lights"][:lights], log.arrays["light_numbers"][:lights], strict=True):
         terms[number[columns.RAY]].append(_term(row.astype(np.float64), number))
     colours = _colours(values, numbers, terms)
     made = zip(values, numbers, terms, colours, shares, strict=True)
-    return tuple(_ray(*one) for one in made)
+    return tuple(_ray(cut, *one) for one in made)
 
 
 def _triple(row: Array, column: int | np.signedinteger[Any]) -> Triple:
@@ -206,7 +217,14 @@ def _colours(values: Array, numbers: npt.NDArray[np.int64], terms: list[list[Lig
     return colours
 
 
-def _ray(value: Array, number: npt.NDArray[np.int64], terms: list[LightTerm], colour: Array, share: float) -> LoggedRay:
+def _ray(
+    cut: frozenset[int],
+    value: Array,
+    number: npt.NDArray[np.int64],
+    terms: list[LightTerm],
+    colour: Array,
+    share: float,
+) -> LoggedRay:
     w1, w2 = value[columns.CORNERS :][:2].tolist()
     u, v = value[columns.UV :][:2].tolist()
     return LoggedRay(
@@ -222,7 +240,7 @@ def _ray(value: Array, number: npt.NDArray[np.int64], terms: list[LightTerm], co
         distance=float(value[columns.DISTANCE]),
         item=int(number[columns.ITEM]),
         primitive=int(number[columns.PRIMITIVE]),
-        barycentric=(1 - w1 - w2, w1, w2),
+        barycentric=(1 - w1 - w2, w1, w2) if int(number[columns.ITEM]) in cut else None,
         place=_triple(value, columns.PLACE),
         normal=_triple(value, columns.NORMAL),
         shading=_triple(value, columns.SHADING),

@@ -1,0 +1,1 @@
+"""Why a pixel has its colour, as values, text and pictures."""
