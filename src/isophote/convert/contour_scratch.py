@@ -8,10 +8,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from isophote.kernels.base.linked import address_of
 from isophote.kernels.base.table import Packed
-from isophote.kernels.forms import tape_linked
 from isophote.kernels.forms.opcodes import INPUTS, ROW
+from isophote.kernels.forms.tape_entries import pack_interpreters
 from isophote.kernels.measure import contour_cases as cases
 from isophote.kernels.measure.contour_groups import MOST
 from isophote.kernels.measure.contour_tables import (
@@ -76,9 +75,7 @@ def pack_contour(rows: Any, axes: Any, reach: float, sharp: bool) -> Packed:
     nx, ny, nz = (len(axis) - 1 for axis in axes)
     return CONTOUR.pack(
         rows=rows.reshape(-1),
-        run_values=address_of(tape_linked.values),
-        run_intervals=address_of(tape_linked.intervals),
-        run_gradients=address_of(tape_linked.gradients),
+        interpreters=pack_interpreters(),
         xs=xs,
         ys=ys,
         zs=zs,
@@ -115,14 +112,8 @@ def new_work(rows: Any, data: Packed, components: int) -> Packed:
     tape_rows = len(rows)
     slots = scratch((tape_rows + INPUTS) * 16 * WIDTH)
     near, leaf, far_choices, choices = (np.zeros((tape_rows + 1) * size, np.int32) for size in (ROW, ROW, 1, 1))
-    runs = [
-        tape_linked.TAPE_RUN.pack(rows=tape, data=data, slots=slots, choices=chosen)
-        for tape, chosen in ((rows.reshape(-1), far_choices), (near, choices), (leaf, choices))
-    ]
-    packed = WORK.pack(
-        far_run=runs[0].words.ctypes.data,
-        near_run=runs[1].words.ctypes.data,
-        leaf_run=runs[2].words.ctypes.data,
+    return WORK.pack(
+        data=data,
         slots=slots,
         near=near,
         leaf=leaf,
@@ -162,7 +153,6 @@ def new_work(rows: Any, data: Packed, components: int) -> Packed:
         levels=np.empty(clusters, np.uint8),
         unmerged=np.empty(16**3 + 8**3 + 4**3 + 2**3, np.uint8),
     )
-    return Packed(packed.words, packed.arrays | {"runs": tuple(runs)})
 
 
 def new_output(cells: int, components: int, bricks: int) -> Packed:

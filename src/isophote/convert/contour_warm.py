@@ -9,7 +9,7 @@ from typing import Any
 
 from isophote.kernels.base.cache import is_compiled
 from isophote.kernels.base.compiling import without_collecting
-from isophote.kernels.forms import tape_linked
+from isophote.kernels.forms import tape_entries
 from isophote.kernels.measure import contour_brick, contour_faces, contour_faults, contour_regions
 from isophote.progress import Reporter
 
@@ -18,12 +18,11 @@ __all__ = ["compile_others", "warm_up"]
 _STAGE = "compiling kernels (first use on this machine)"
 _OTHER_PROCESS = "from isophote.convert.contour_warm import compile_others; compile_others()"
 
-_WORDS, _LINKED = "int64[::1]", "int64(int64, int64, int64, int64)"
+_WORDS = "int64[::1]"
+# The interpreters' functions.
+_ENTRIES = ("_values", "_bounds", "_gradients")
 _BRICK_KERNEL = (contour_brick, "contour_bricks", f"({_WORDS}, {_WORDS}, {_WORDS}, int64[::1], int64, int64, int64)")
 _OTHERS = (
-    (tape_linked, "intervals", _LINKED),
-    (tape_linked, "values", _LINKED),
-    (tape_linked, "gradients", _LINKED),
     (contour_regions, "find_bricks", f"({_WORDS}, {_WORDS}, int64, int64, int64[::1])"),
     (contour_faces, "index_bricks", f"({_WORDS}, int64, int64)"),
     (contour_faces, "find_vertices", f"({_WORDS}, int64[::1])"),
@@ -46,8 +45,9 @@ def warm_up(report: Reporter) -> None:
     """Compile what is not in the cache yet, half of it in a second process; both write to the same cache."""
     # Looked at once: the cache's folder may hold thousands of files.
     if not _ready:
-        kernels = (_BRICK_KERNEL, *_OTHERS)
-        if not all(is_compiled(Path(module.__file__ or ""), name) for module, name, _ in kernels):
+        kernels = [(module, name) for module, name, _ in (_BRICK_KERNEL, *_OTHERS)]
+        kernels += [(tape_entries, name) for name in _ENTRIES]
+        if not all(is_compiled(Path(module.__file__ or ""), name) for module, name in kernels):
             _compile_all(report)
         _ready.add(_STAGE)
 
@@ -71,6 +71,8 @@ def _compile_all(report: Reporter) -> None:
 
 def compile_others() -> None:
     """Compile what contouring needs besides its longest kernel."""
+    with without_collecting():
+        tape_entries.pack_interpreters()
     for kernel in _OTHERS:
         _compile(kernel)
 

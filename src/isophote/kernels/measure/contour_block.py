@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from isophote.kernels.base.jit import device
-from isophote.kernels.base.linked import call_linked
 from isophote.kernels.base.simd import bits, load16, lowest_bit, splat16, store16
+from isophote.kernels.forms.interpreters import values_on
 from isophote.kernels.forms.opcodes import INPUTS
 from isophote.kernels.measure.contour_tables import BLOCK, BLOCK_SAMPLES, ELSEWHERE, POINTS, WIDTH
 
@@ -14,11 +14,12 @@ __all__ = ["find_crossed_edges", "sample_block"]
 
 _SIDE = np.int64(BLOCK + 1)
 _LAYER = _SIDE * _SIDE
-_STRIDE = np.int64(16 * WIDTH)
+_WIDTH, _STRIDE = np.int64(WIDTH), np.int64(16 * WIDTH)
 _ALL = np.int32(0xFFFF)
 _ZERO = np.float32(0)
 _ELSEWHERE = np.int32(ELSEWHERE)
 _X, _Y, _Z = np.int64(0), np.int64(1), np.int64(2)
+_FIRST_ROW = np.int64(0)
 
 
 @device
@@ -50,7 +51,7 @@ def sample_block(grid, work, count, i, j, k):
         for axis in range(INPUTS):
             for lane in range(0, 16 * WIDTH, 16):
                 store16(work.slots, axis * _STRIDE + lane, load16(work.points, axis * POINTS + start + lane))
-        call_linked(grid.run_values, work.leaf_run, np.int64(0), count, np.int64(WIDTH))
+        values_on(grid.interpreters, work.leaf, _FIRST_ROW, count, work.data, work.slots, _WIDTH)
         for lane in range(0, 16 * WIDTH, 16):
             v = load16(work.slots, result + lane)
             store16(work.values, start + lane, v)

@@ -18,9 +18,8 @@ __all__ = ["MOST", "label", "lone_children_fit", "take_edges", "take_group"]
 # Components that may be put together at once.
 MOST = 32
 _ZERO, _ONE, _SEVERAL = np.int64(0), np.int64(1), np.int64(-1)
-_NO_BITS = np.int32(0)
-_FACES = np.int32(63)
-_BYTE = np.int32(255)
+_NO_BITS = np.int64(0)
+_EDGES, _FACES, _BYTE = np.int64(4095), np.int64(63), np.int64(255)
 
 
 @device
@@ -33,13 +32,13 @@ def _crossing(grid, work, component, edge):
 
 @device
 def _faces_of(grid, mask):
-    return grid.face_bits[mask & np.int32(4095)]
+    return np.int64(grid.face_bits[mask & _EDGES])
 
 
 @device
 def _spread(reached, joined, axis):
     """Children reached from those reached already, over the faces across an axis."""
-    across, step = joined >> np.int32(8 * axis) & _BYTE, np.int32(1 << axis)
+    across, step = joined >> 8 * axis & _BYTE, _ONE << axis
     return reached | (reached & across) << step | (reached >> step & across)
 
 
@@ -67,9 +66,8 @@ def lone_children_fit(grid, work, first, count):
     good = True
     for i in range(first, first + count):
         part = np.int64(work.list[i])
-        child = work.codes[part] & 7
-        mask = work.masks[part]
-        here = np.int32(1) << child
+        child, mask = np.int64(work.codes[part] & 7), np.int64(work.masks[part])
+        here = _ONE << child
         if present & here != 0:
             return _SEVERAL
         present |= here
@@ -79,10 +77,10 @@ def lone_children_fit(grid, work, first, count):
         faces = 64 * child + (_faces_of(grid, mask) & _FACES)
         low |= grid.low_faces[faces]
         high |= grid.high_faces[faces]
-        four_points += bit_count(np.int64(mask & grid.inner_edges[child]))
+        four_points += bit_count(mask & grid.inner_edges[child])
     if low != high or not _is_connected(present, low):
         return _SEVERAL
-    if not good or 4 * (count - bit_count(np.int64(low))) + four_points != 4:
+    if not good or 4 * (count - bit_count(low)) + four_points != 4:
         return _ZERO
     return _ZERO if _faces_of(grid, outer) & SIMPLE == 0 else _ONE
 
@@ -119,7 +117,7 @@ def label(grid, work, first, count):
     """
     labels = work.labels
     for i in range(count):
-        labels[i], labels[MOST + i] = np.int32(i), _NO_BITS
+        labels[i], labels[MOST + i] = np.int32(i), np.int32(0)
     for i in range(count):
         for j in range(i + 1, count):
             if not _connected(grid, work, np.int64(work.list[first + i]), np.int64(work.list[first + j])):
@@ -149,15 +147,14 @@ def take_group(grid, work, first, count, name, members):
         if work.labels[i] != name:
             continue
         part = np.int64(work.list[first + i])
-        child = work.codes[part] & 7
-        mask = work.masks[part]
+        child, mask = np.int64(work.codes[part] & 7), np.int64(work.masks[part])
         crossed = mask & grid.outer_edges[child]
         if outer & crossed != 0:
             return _ZERO
         outer |= crossed
         shared += work.labels[MOST + i]
         twice_curves += _curves_within(grid, mask, child)
-        four_points += bit_count(np.int64(mask & grid.inner_edges[child]))
+        four_points += bit_count(mask & grid.inner_edges[child])
         work.members[members + parts] = np.int32(part)
         parts += 1
     if 2 * shared != twice_curves or 4 * parts - 2 * twice_curves + four_points != 4:

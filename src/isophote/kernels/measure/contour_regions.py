@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from isophote.kernels.base.jit import device, kernel
-from isophote.kernels.base.linked import call_linked
 from isophote.kernels.base.simd import bits, load16, lowest_bit, splat16
+from isophote.kernels.forms.interpreters import bounds_on
 from isophote.kernels.forms.opcodes import INPUTS, ROW
 from isophote.kernels.forms.tape_interval import REGION_HIGH, REGION_MIDDLE, REGION_SLOT
 from isophote.kernels.forms.tape_prune import shorten
@@ -67,7 +67,7 @@ def children_undecided(grid, work, count, sixteen, i, j, k, size):
         x, y, z = child_place(16 * sixteen + lane)
         if _load_region(grid, work.slots, lane, i + size * x, j + size * y, k + size * z, size):
             here |= np.int32(1 << lane)
-    call_linked(grid.run_intervals, work.near_run, _FIRST, count, _FIRST)
+    bounds_on(grid.interpreters, work.near, _FIRST, count, work.data, work.slots, work.choices)
     return _undecided(work.slots, count) & here
 
 
@@ -77,7 +77,7 @@ def shorten_for_region(grid, work, i, j, k, size):
     count = np.int64(grid.rows.rows) // ROW
     for lane in range(16):
         _load_region(grid, work.slots, lane, i, j, k, size)
-    call_linked(grid.run_intervals, work.far_run, _FIRST, count, _FIRST)
+    bounds_on(grid.interpreters, grid.rows, _FIRST, count, work.data, work.slots, work.far_choices)
     if _undecided(work.slots, count) & 1 == 0:
         return np.int64(0)
     return shorten(grid.rows, np.int64(0), count, work.far_choices, np.int64(0), work.near, np.int64(0), work.marks)

@@ -10,8 +10,8 @@ from __future__ import annotations
 import numpy as np
 
 from isophote.kernels.base.jit import device
-from isophote.kernels.base.linked import call_linked
 from isophote.kernels.base.simd import absolute, bits, load16, maximum, minimum, select, splat16, square_root, store16
+from isophote.kernels.forms.interpreters import gradients_on, values_on
 from isophote.kernels.forms.opcodes import INPUTS
 from isophote.kernels.forms.tape_gradient import GRADIENT_SLOT
 from isophote.kernels.measure.contour_tables import BLOCK, BLOCK_SAMPLES, CROSSING, POINTS, WIDTH
@@ -23,7 +23,8 @@ _SIDE = BLOCK + 1
 _BATCH = 16 * WIDTH
 # Rows of a batch: starts and lengths of the edges along x, y, z; the bracket (t, f) at both ends; which end moved last;
 # the place t along the edge; the difference of the values at the edge's ends; the normals.
-_STARTS, _STEPS, _TA, _FA, _TB, _FB, _LAST, _T, _RANGE, _NORMALS = 0, 3, 6, 7, 8, 9, 10, 11, 12, 13
+_STARTS, _STEPS, _TA, _FA, _TB = np.int64(0), np.int64(3), np.int64(6), np.int64(7), np.int64(8)
+_FB, _LAST, _T, _RANGE, _NORMALS = np.int64(9), np.int64(10), np.int64(11), np.int64(12), np.int64(13)
 _MOST_STEPS = 12
 # A value this small, relative to the difference along the edge, is left to the last step of Newton's.
 _SMALL = np.float32(1e-5)
@@ -32,6 +33,7 @@ _INWARD = np.float32(2.0**-10)
 # The longest step of Newton's, in cells, from a place that a parabola gave.
 _LONGEST = np.float32(2.0**-13)
 _NOTHING = np.float64(0)
+_FIRST_ROW, _AT_FIRST, _AGAIN = np.int64(0), np.int64(0), np.int64(1)
 _ZERO, _HALF, _ONE, _TINY = np.float32(0), np.float32(0.5), np.float32(1), np.float32(1e-30)
 
 
@@ -125,7 +127,7 @@ def _evaluate(grid, work, count, padded):
         t = _row(work.roots, _T, j)
         for axis in range(INPUTS):
             store16(work.slots, axis * padded + j, _place(work.roots, axis, j, t))
-    call_linked(grid.run_values, work.leaf_run, np.int64(0), count, padded // 16)
+    values_on(grid.interpreters, work.leaf, _FIRST_ROW, count, work.data, work.slots, padded // 16)
     return (INPUTS - 1 + count) * padded
 
 
@@ -189,7 +191,7 @@ def _add_normals(grid, work, count, j):
     t = _inward(work.roots, j)
     for axis in range(INPUTS):
         store16(work.slots, axis * GRADIENT_SLOT, _place(work.roots, axis, j, t))
-    call_linked(grid.run_gradients, work.leaf_run, np.int64(0), count, np.int64(0))
+    gradients_on(grid.interpreters, work.leaf, _FIRST_ROW, count, work.data, work.slots)
     return _finish(work, j, t, (INPUTS - 1 + count) * GRADIENT_SLOT)
 
 
@@ -221,7 +223,7 @@ def _find_batch(grid, work, count, begin, size, late, again, x0, y0, z0):
     """
     padded = (size + 15) // 16 * 16
     _load_edges(work, begin, size, padded)
-    if again:
+    if again == _AGAIN:
         _bracket(grid, work, count, padded)
     else:
         _interpolate(grid, work, count, padded)
@@ -231,7 +233,7 @@ def _find_batch(grid, work, count, begin, size, late, again, x0, y0, z0):
         for lane in range(j, min(j + 16, size)):
             crossing = np.int64(work.pending[begin + lane])
             known &= _write(work, lane, crossing, x0, y0, z0)
-            if good >> np.int32(lane - j) & 1 == 0 and not again:
+            if good >> np.int32(lane - j) & 1 == 0 and again == _AT_FIRST:
                 work.late[late] = np.int32(crossing)
                 late += 1
     return late, known
@@ -267,12 +269,12 @@ def find_roots(grid, work, count, crossings, x0, y0, z0):
     all_known = True
     for begin in range(0, crossings, _BATCH):
         size = min(np.int64(_BATCH), crossings - begin)
-        late, known = _find_batch(grid, work, count, begin, size, late, False, x0, y0, z0)
+        late, known = _find_batch(grid, work, count, begin, size, late, _AT_FIRST, x0, y0, z0)
         all_known &= known
     for entry in range(late):
         work.pending[entry] = work.late[entry]
     for begin in range(0, late, _BATCH):
         size = min(np.int64(_BATCH), late - begin)
-        _, known = _find_batch(grid, work, count, begin, size, late, True, x0, y0, z0)
+        _, known = _find_batch(grid, work, count, begin, size, late, _AGAIN, x0, y0, z0)
         all_known &= known
     return not all_known

@@ -18,6 +18,8 @@ from isophote.kernels.base.table import (
     INTS,
     Table,
 )
+from isophote.kernels.forms.field_data import FIELD_DATA
+from isophote.kernels.forms.interpreters import INTERPRETERS
 
 __all__ = [
     "AXIS_BIT",
@@ -58,10 +60,7 @@ ROOT_ROWS = 16
 CONTOUR = Table(
     "Contour",
     rows=INTS,
-    # Addresses of the interpreters: values, intervals, gradients.
-    run_values=INT,
-    run_intervals=INT,
-    run_gradients=INT,
+    interpreters=INTERPRETERS,
     # Coordinates of the samples along each axis, PADDING more than there are, and the cells along each.
     xs=FLOATS,
     ys=FLOATS,
@@ -92,10 +91,9 @@ CONTOUR = Table(
 
 WORK = Table(
     "ContourWork",
-    # Addresses of what runs of the whole tape, of a brick's and of a block's read and write.
-    far_run=INT,
-    near_run=INT,
-    leaf_run=INT,
+    # The tapes' tables, and slots; the tapes of a brick and of a block; what intervals chose in the whole tape and in
+    # one of these.
+    data=FIELD_DATA,
     slots=FLOATS,
     near=INTS,
     leaf=INTS,

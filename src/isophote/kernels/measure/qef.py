@@ -35,6 +35,8 @@ _FLAT = np.float32(0.98) * _CUT
 _ZERO, _HALF, _ONE = np.float32(0), np.float32(0.5), np.float32(1)
 _ALL = np.int32(0xFFFF)
 _SWEEPS = 4
+# What is left beside the diagonal, as part of the trace, when there is nothing to turn.
+_TINY = np.float32(1e-7)
 
 
 @device
@@ -156,7 +158,11 @@ def solve_qefs(work):
     d, e, f = load16(work, 48), load16(work, 64), load16(work, 80)
     # Columns of eigenvectors: (x0, y0, z0), ...
     x0, y0, z0, x1, y1, z1, x2, y2, z2 = one, zero, zero, zero, one, zero, zero, zero, one
+    tiny = splat16(_TINY) * (a + d + f)
     for _ in range(_SWEEPS):
+        # Each sweep squares what is left beside the diagonal.
+        if bits(absolute(b) + absolute(c) + absolute(e) > tiny) == 0:
+            break
         t, u, s = _rotation(a, d, b)
         a, d, b = a - t * b, d + t * b, zero
         c, e = u * c - s * e, s * c + u * e
