@@ -9,9 +9,16 @@ import numpy.typing as npt
 
 from isophote.accel.accelerator import Accelerator, Built, blocks_of, padded_slots
 from isophote.accel.crew import Run, crew, ranges
-from isophote.kernels.accel.grid_build import choose_root, choose_subgrids, place_triangles, triangle_sums
+from isophote.kernels.accel.grid_build import (
+    NARROWEST,
+    choose_root,
+    choose_subgrids,
+    place_triangles,
+    slack_for,
+    triangle_sums,
+)
 from isophote.kernels.accel.grid_entry import any_in_grid, closest_in_grid
-from isophote.kernels.accel.grid_layout import GRID, MOST_LEVELS, SLACK
+from isophote.kernels.accel.grid_layout import GRID, MOST_LEVELS, NEAR_ORIGINS
 from isophote.kernels.base.table import Packed
 
 __all__ = ["GRID_OF_GRIDS"]
@@ -24,15 +31,15 @@ Longs: TypeAlias = npt.NDArray[np.int64]
 # Work is cut into slabs of a grid with about so many references. Fixed: it must not depend on the number of threads.
 _SLAB = 1 << 15
 _MOST_SLABS = 8
-# Flat boxes are made thicker than so many slacks.
+# Flat boxes are made so many slacks thick.
 _THINNEST = 4.0
-# Cells are not made narrower than so many slacks.
-_NARROWEST = 32.0
+# Mailboxes pay where triangles stand in more lists than this; docs/design/accelerators.md has the numbers.
+_MAILBOX = 8
 
 
 class _Level(NamedTuple):
-    """Grids of one level: frames (g, 6), cells on x, y, z and number of the first cell (g, 4), and in which order
-    `references` are theirs: the first of each, and the end."""
+    """Grids of one level: frames and shapes (kernels/accel/grid_layout.py), cells numbered within the level, and in
+    which order `references` are theirs: the first of each, and the end."""
 
     frames: Doubles
     shapes: Longs
@@ -48,11 +55,10 @@ class _Filled(NamedTuple):
 
 
 class _Geometry(NamedTuple):
-    """Flat positions and triangles, the lists' slack, and what runs jobs."""
+    """Flat positions and triangles, and what runs jobs."""
 
     positions: FloatArray
     triangles: IntArray
-    slack: float
     run: Run
 
 
@@ -62,44 +68,54 @@ def _build(positions: FloatArray, triangles: IntArray, threads: int | None) -> B
     bounds = np.stack([corners.min(axis=0, initial=np.inf), corners.max(axis=0, initial=-np.inf)]).astype(np.float32)
     if count == 0:
         return Built(_nothing(), np.empty(0, np.float32), bounds)
-    reach = float(np.abs(bounds).max())
     with crew(threads, count) as run:
-        geometry = _Geometry(positions.reshape(-1), triangles.reshape(-1), max(SLACK * reach, 1e-300), run)
+        geometry = _Geometry(positions.reshape(-1), triangles.reshape(-1), run)
         level = _root(geometry, count, bounds.astype(np.float64))
         levels, filled, chosen = [], [], []
         while True:
             levels.append(level)
             filled.append(_fill(geometry, level))
             chosen.append(_choose(geometry, level, filled[-1], last=len(levels) == MOST_LEVELS))
-            if not (chosen[-1][:, 0] > 0).any():
+            if not (chosen[-1].shapes[:, 0] > 0).any():
                 break
-            level = _next_level(level, filled[-1], chosen[-1], geometry.slack)
-        tables, slots = _table(levels, filled, chosen, geometry.slack, reach)
+            level = _next_level(level, filled[-1], chosen[-1])
+        tables, slots = _table(levels, filled, chosen)
     return Built(tables, blocks_of(positions, triangles, slots, threads), bounds)
 
 
 def _nothing() -> Packed:
     """A grid of one empty cell."""
-    frame, shape = np.array([[0.0, 0, 0, 1, 1, 1]]), np.array([[1, 1, 1, 0]], np.int64)
+    frames = _frames(np.zeros((1, 3)), np.ones((1, 3)), np.ones((1, 3), np.int64), np.ones(1))
     cells, lists = np.zeros(1, np.int32), np.zeros(2, np.int32)
-    return GRID.pack(frames=frame, shapes=shape, cells=cells, lists=lists, slack=1.0, reach=1.0)
+    return GRID.pack(frames=frames, shapes=np.array([[1, 1, 1, 0]]), cells=cells, lists=lists, mailbox=0)
+
+
+def _frames(lower: Doubles, extents: Doubles, shapes: Longs, reaches: Doubles) -> Doubles:
+    """Frames of grids that are to hold boxes (g, 3) with so many cells on x, y, z (g, 3)."""
+    largest = extents.max(axis=1)
+    slack = np.array([slack_for(*pair) for pair in zip(largest.tolist(), reaches.tolist(), strict=True)])[:, None]
+    near = (NEAR_ORIGINS * 0.5 * largest)[:, None]
+    wide = (extents + 4 * slack) / shapes
+    return np.concatenate([lower - 2 * slack, wide, slack, near, reaches[:, None]], axis=1)
 
 
 def _root(geometry: _Geometry, count: int, bounds: Doubles) -> _Level:
     """The outermost grid, with all triangles."""
-    thinnest = _THINNEST * geometry.slack
-    middle, extents = bounds.mean(axis=0), np.maximum(bounds[1] - bounds[0], thinnest)
+    middle, extents = bounds.mean(axis=0), bounds[1] - bounds[0]
+    # One point still has coordinates, and those their rounding.
+    largest = max(float(extents.max()), 1e-6 * float(np.abs(bounds).max()), 1e-300)
+    slack = slack_for(largest, largest / 2)
+    extents = np.maximum(extents, _THINNEST * slack)
+    extents[np.argmax(extents)] = max(largest, float(extents.max()))
     pieces = list(ranges(0, count))
     sums = np.empty((len(pieces), 6))
     arrays = geometry.positions, geometry.triangles
     geometry.run(triangle_sums, [(*arrays, *piece, sums[i]) for i, piece in enumerate(pieces)])
     shape = np.empty(3, np.int64)
     choose_root(count, sums.sum(axis=0), extents, shape)
-    shape = np.maximum(np.minimum(shape, (extents / (_NARROWEST * geometry.slack)).astype(np.int64)), 1)
-    extents += 4 * geometry.slack
-    frame = np.concatenate([middle - extents / 2, extents / shape])
-    references = np.arange(count, dtype=np.int32)
-    return _Level(frame[None], np.append(shape, 0)[None], np.array([0, count]), references)
+    shape = np.maximum(np.minimum(shape, (extents / (NARROWEST * slack)).astype(np.int64)), 1)
+    frames = _frames((middle - extents / 2)[None], extents[None], shape[None], np.array([largest / 2]))
+    return _Level(frames, np.append(shape, 0)[None], np.array([0, count]), np.arange(count, dtype=np.int32))
 
 
 def _fill(geometry: _Geometry, level: _Level) -> _Filled:
@@ -109,11 +125,11 @@ def _fill(geometry: _Geometry, level: _Level) -> _Filled:
     counts = np.zeros(cells, np.int64)
     none = np.empty(0, np.int32)
     given = geometry.positions, geometry.triangles, level.references, level.frames, level.shapes, jobs
-    geometry.run(place_triangles, [(*given, *span, geometry.slack, counts, none) for span in spans])
+    geometry.run(place_triangles, [(*given, *span, counts, none) for span in spans])
     starts = np.concatenate([np.zeros(1, np.int64), np.cumsum(counts)])
     filled = np.empty(int(starts[-1]), np.int32)
     cursors = starts[:-1].copy()
-    geometry.run(place_triangles, [(*given, *span, geometry.slack, cursors, filled) for span in spans])
+    geometry.run(place_triangles, [(*given, *span, cursors, filled) for span in spans])
     return _Filled(filled, starts)
 
 
@@ -131,31 +147,38 @@ def _jobs(level: _Level) -> tuple[Longs, list[tuple[int, int]]]:
     return jobs, list(zip([0, *ends[:-1].tolist()], ends.tolist(), strict=True))
 
 
-def _choose(geometry: _Geometry, level: _Level, filled: _Filled, *, last: bool) -> Longs:
-    """(cells, 3): the cells on x, y, z of the grid that each cell of a level should be, or 0 where it stays a list."""
+class _Chosen(NamedTuple):
+    """For each cell of a level, the cells on x, y, z of the grid that it should be (cells, 3), 0 where it stays a list,
+    and how far corners of its triangles lie from its middle (cells,)."""
+
+    shapes: Longs
+    reaches: Doubles
+
+
+def _choose(geometry: _Geometry, level: _Level, filled: _Filled, *, last: bool) -> _Chosen:
+    """Which cells of a level become grids; none of the last level."""
     cells = len(filled.starts) - 1
-    chosen = np.zeros((cells, 3), np.int64)
+    chosen = _Chosen(np.zeros((cells, 3), np.int64), np.zeros(cells))
     if not last:
         given = geometry.positions, geometry.triangles, filled.references, filled.starts, level.frames, level.shapes
-        smallest = _NARROWEST * geometry.slack
         jobs = []
         for begin, end in ranges(0, cells):
             grid = int(np.searchsorted(level.shapes[:, 3], begin, side="right")) - 1
-            jobs.append((*given, grid, begin, end, smallest, chosen))
+            jobs.append((*given, grid, begin, end, *chosen))
         geometry.run(choose_subgrids, jobs)
     return chosen
 
 
-def _next_level(level: _Level, filled: _Filled, chosen: Longs, slack: float) -> _Level:
+def _next_level(level: _Level, filled: _Filled, chosen: _Chosen) -> _Level:
     """The grids that cells of a level become."""
-    cells = np.flatnonzero(chosen[:, 0])
+    cells = np.flatnonzero(chosen.shapes[:, 0])
+    inner = chosen.shapes[cells]
     grid = np.searchsorted(level.shapes[:, 3], cells, side="right") - 1
     frame, shape, rest = level.frames[grid], level.shapes[grid], cells - level.shapes[grid, 3]
     place = np.stack([rest % shape[:, 0], rest // shape[:, 0] % shape[:, 1], rest // (shape[:, 0] * shape[:, 1])], 1)
-    lower, size = frame[:, :3] + place * frame[:, 3:] - 2 * slack, frame[:, 3:] + 4 * slack
-    frames = np.concatenate([lower, size / chosen[cells]], axis=1)
-    sizes = chosen[cells].prod(axis=1)
-    shapes = np.concatenate([chosen[cells], (np.cumsum(sizes) - sizes)[:, None]], axis=1)
+    frames = _frames(frame[:, :3] + place * frame[:, 3:6], frame[:, 3:6], inner, chosen.reaches[cells])
+    sizes = inner.prod(axis=1)
+    shapes = np.concatenate([inner, (np.cumsum(sizes) - sizes)[:, None]], axis=1)
     counts = filled.starts[cells + 1] - filled.starts[cells]
     starts = np.concatenate([np.zeros(1, np.int64), np.cumsum(counts)])
     within = np.arange(starts[-1]) - np.repeat(starts[:-1], counts)
@@ -163,15 +186,13 @@ def _next_level(level: _Level, filled: _Filled, chosen: Longs, slack: float) -> 
     return _Level(frames, shapes, starts, references)
 
 
-def _table(
-    levels: list[_Level], filled: list[_Filled], chosen: list[Longs], slack: float, reach: float
-) -> tuple[Packed, IntArray]:
+def _table(levels: list[_Level], filled: list[_Filled], chosen: list[_Chosen]) -> tuple[Packed, IntArray]:
     """The table of all levels, and the slots of its lists."""
     codes, shapes, kept, counts = [], [], [], [np.zeros(1, np.int32)]
     grids, cells, lists = 1, 0, 0
     for level, content, choice in zip(levels, filled, chosen, strict=True):
         own = np.diff(content.starts)
-        inner = choice[:, 0] > 0
+        inner = choice.shapes[:, 0] > 0
         listed = (own > 0) & ~inner
         code = np.zeros(len(own), np.int32)
         code[inner] = -(grids + np.arange(inner.sum()))
@@ -188,8 +209,7 @@ def _table(
         shapes=np.ascontiguousarray(np.concatenate(shapes)),
         cells=np.concatenate(codes),
         lists=np.stack([firsts, every], axis=1).reshape(-1),
-        slack=slack,
-        reach=reach,
+        mailbox=int(every.sum() > _MAILBOX * len(levels[0].references)),
     )
     return tables, slots
 

@@ -5,14 +5,15 @@ from __future__ import annotations
 import numpy as np
 
 from isophote.kernels.accel.clip import CLIP_WORDS, clip_extent, round_down, round_up
+from isophote.kernels.accel.grid_layout import NEAR, NEAR_ORIGINS, ROUNDING
 from isophote.kernels.accel.overlap import OVERLAP_WORDS, overlaps, prepare_overlap
 from isophote.kernels.base.jit import device, kernel
 
-__all__ = ["choose_root", "choose_subgrids", "place_triangles", "triangle_sums"]
+__all__ = ["NARROWEST", "choose_root", "choose_subgrids", "place_triangles", "slack_for", "triangle_sums"]
 
 # What a ray pays: a step to the next cell 1, a triangle in a cell's list, and entering a grid within a grid. By
 # measurement; docs/design/accelerators.md has the numbers.
-LIST_COST, ENTER_COST = 3.0, 12.0
+LIST_COST, ENTER_COST = 1.2, 12.0
 # Cells, and references to triangles, for each triangle at most.
 _MOST_CELLS, _MOST_REFERENCES = 16.0, 4.0
 _MOST_ON_AXIS = 1 << 12
@@ -21,6 +22,8 @@ _GROWTH = 1.15
 _ZERO, _ONE = np.int64(0), np.int64(1)
 # Lists of fewer triangles are left as they are, and longer ones unless a grid costs less than this part of them.
 _FEWEST, _WORTH = 12, 0.6
+# Cells are not made narrower than so many slacks.
+NARROWEST = 16.0
 # Columns of a job.
 _GRID, _LOW, _HIGH, _FIRST, _LAST = 0, 1, 2, 3, 4
 
@@ -166,21 +169,46 @@ def _place(triangle, frame, shape, low, high, corners, half, work, cursors, fill
 
 
 @kernel
-def place_triangles(positions, triangles, references, frames, shapes, jobs, begin, end, slack, cursors, filled):
+def slack_for(extent, reach):
+    """The slack of a grid of a largest extent, whose triangles' corners lie within `reach` of its middle."""
+    return ROUNDING * (NEAR_ORIGINS * 0.5 * extent + reach)
+
+
+@device
+def _reach_of(corners, middle_x, middle_y, middle_z):
+    """How far a triangle's corners lie from a place along an axis."""
+    reach = 0.0
+    for corner in range(3):
+        x, y, z = corners[3 * corner] - middle_x, corners[3 * corner + 1] - middle_y, corners[3 * corner + 2] - middle_z
+        reach = max(reach, max(abs(x), max(abs(y), abs(z))))
+    return reach
+
+
+@device
+def _slack_of(corners, frame, shape):
+    """A triangle's slack in a grid: grid_layout.py."""
+    x = frame[0] + 0.5 * shape[0] * frame[3]
+    y = frame[1] + 0.5 * shape[1] * frame[4]
+    z = frame[2] + 0.5 * shape[2] * frame[5]
+    return ROUNDING * (frame[NEAR] + _reach_of(corners, x, y, z))
+
+
+@kernel
+def place_triangles(positions, triangles, references, frames, shapes, jobs, begin, end, cursors, filled):
     """Do jobs begin ≤ j < end, rows (grid, low z, high z, first reference, last): for each reference of a job in order,
-    and every cell of low ≤ z < high in its grid that the triangle comes within `slack` of, write the triangle to
+    and every cell of low ≤ z < high in its grid that the triangle comes within its slack of, write the triangle to
     `filled` at the cell's cursor and move that on. Where `filled` is empty, cursors only count."""
     corners, half, work = np.empty(9, np.float64), np.empty(3, np.float64), np.empty(OVERLAP_WORDS, np.float64)
     low, high = np.empty(3, np.int64), np.empty(3, np.int64)
     for j in range(begin, end):
         grid = jobs[j, _GRID]
         frame, shape = frames[grid], shapes[grid]
-        for axis in range(3):
-            half[axis] = 0.5 * frame[3 + axis] + slack
         for k in range(jobs[j, _FIRST], jobs[j, _LAST]):
             triangle = np.int64(references[k])
             _load_corners(positions, triangles, triangle, corners)
+            slack = _slack_of(corners, frame, shape)
             for axis in range(3):
+                half[axis] = 0.5 * frame[3 + axis] + slack
                 low[axis], high[axis] = _cell_range(corners, axis, frame[axis], frame[3 + axis], shape[axis], slack)
             low[2], high[2] = max(low[2], jobs[j, _LOW]), min(high[2], jobs[j, _HIGH] - 1)
             if low[0] == high[0] and low[1] == high[1] and low[2] == high[2]:
@@ -210,10 +238,12 @@ def _sums_in_cell(positions, triangles, references, first, last, box, work, exte
 
 
 @kernel
-def choose_subgrids(positions, triangles, references, starts, frames, shapes, grid, begin, end, smallest, chosen):
+def choose_subgrids(positions, triangles, references, starts, frames, shapes, grid, begin, end, chosen, reaches):
     """For the cells begin ≤ c < end of grids in a row, the first in grid number `grid`, write to rows of `chosen`
-    (cells, 3) the cells on x, y, z of the grid that each should be, or 0 where its list is cheaper. Cell c's triangles
-    are starts[c] ≤ r < starts[c + 1]; no cell is made less than `smallest` wide."""
+    (cells, 3) the cells on x, y, z of the grid that each should be, or 0 where its list is cheaper; and to `reaches`
+    how far corners of its triangles lie from the cell's middle along an axis. Cell c's triangles are
+    starts[c] ≤ r < starts[c + 1]."""
+    corners = np.empty(9, np.float64)
     work, extent, box = np.empty(CLIP_WORDS, np.float64), np.empty(6, np.float32), np.empty(6, np.float32)
     sums, extents = np.empty(6, np.float64), np.empty(3, np.float64)
     for cell in range(begin, end):
@@ -230,6 +260,13 @@ def choose_subgrids(positions, triangles, references, starts, frames, shapes, gr
             box[axis], box[axis + 3] = round_down(low), round_up(low + frames[grid, 3 + axis])
             extents[axis] = frames[grid, 3 + axis]
         _sums_in_cell(positions, triangles, references, starts[cell], starts[cell + 1], box, work, extent, sums)
+        reach = 0.0
+        for k in range(starts[cell], starts[cell + 1]):
+            _load_corners(positions, triangles, np.int64(references[k]), corners)
+            own = _reach_of(corners, box[0] + 0.5 * extents[0], box[1] + 0.5 * extents[1], box[2] + 0.5 * extents[2])
+            reach = max(reach, own)
+        reaches[cell] = reach
+        smallest = NARROWEST * slack_for(max(extents[0], max(extents[1], extents[2])), reach)
         cost = ENTER_COST + _choose_shape(count, sums, extents, chosen[cell])
         narrow = False
         for axis in range(3):

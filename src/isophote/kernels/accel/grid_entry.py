@@ -1,7 +1,7 @@
 """Rays through a grid of grids, in grid_layout.py's memory: from cell to cell, and into the grids that cells are.
 
-A ray keeps the numbers of the triangles that it was tested against last ("mailbox"), and passes by blocks of nothing
-else: a triangle stands in the list of every cell that it overlaps.
+A triangle stands in the list of every cell that it overlaps. Where these are many, a ray keeps the numbers of those
+that it was tested against last ("mailbox", Amanatides and Woo), and passes by blocks of nothing else.
 """
 
 from __future__ import annotations
@@ -21,24 +21,27 @@ from isophote.kernels.accel.contract import (
     ray_direction,
     ray_origin,
 )
-from isophote.kernels.accel.grid_far import closest_from_afar, is_far
+from isophote.kernels.accel.grid_far import FarWalk, begin_far, is_far, next_far, resume_far
 from isophote.kernels.accel.grid_layout import GRID, MOST_LEVELS
-from isophote.kernels.accel.grid_walk import course_of, enter, place_in, step, walk_from
+from isophote.kernels.accel.grid_walk import Walk, Way, course_of, enter, place_in, step, walk_from
 from isophote.kernels.accel.layout import BLOCK, LANES, NUMBER
 from isophote.kernels.base.entry import entry, floats_at, opener_at
 from isophote.kernels.base.jit import device
-from isophote.kernels.base.simd import load_int, store_int
+from isophote.kernels.base.simd import load_float, load_int, store_float, store_int
 from isophote.kernels.forms.triangle import shear
 
 __all__ = ["any_in_grid", "closest_in_grid"]
 
 open_grid = opener_at(GRID)
 
-# Scratch: the cells that the ray is in of the grids around, four words each; then the mailbox.
+# Scratch: the cells that the ray is in of the grids around, four words each; the walk of a far ray; then the mailbox.
 _PARENT = np.int64(4)
-_MAILBOX = np.int64(STACK + 4 * (MOST_LEVELS + 1))
+_FAR = np.int64(STACK + 4 * (MOST_LEVELS + 1))
+_FAR_WIDE = _FAR + np.int64(9)
+_ROUND_UP = 1.0 + 2.0**-22
+_MAILBOX = np.int64(STACK + 4 * (MOST_LEVELS + 1) + 12)
 _BOXES = np.int64(64)
-_ROOT, _NOTHING = np.int64(0), np.int32(-1)
+_ROOT, _NOTHING, _ONE = np.int64(0), np.int32(-1), np.int64(1)
 _MOST_BLOCK_WORDS = np.int64(1) << np.int64(40)
 
 
@@ -61,24 +64,85 @@ def _all_known(triangles, block, words):
     return known
 
 
+class _State(NamedTuple):
+    """Where a ray is: the grid, how deep it lies, the cell (−1 at the end), and the walk where the ray is near.
+
+    Where it is far, which is seldom, the walk is kept in the ray's words."""
+
+    grid: int
+    level: int
+    cell: int
+    far: bool
+    walk: Walk
+    way: Way
+
+
 @device
-def _push(words, level, grid, shapes, walk):
-    x, y, z = place_in(shapes, grid, walk.cell)
-    at = STACK + _PARENT * level
-    store_int(words, at, np.int32(grid))
+def _keep_far(words, walk):
+    store_int(words, _FAR, np.int32(walk.cell))
+    store_int(words, _FAR + 1, np.int32(walk.slice))
+    store_int(words, _FAR + 2, np.int32(walk.i))
+    store_int(words, _FAR + 3, np.int32(walk.j))
+    store_int(words, _FAR + 4, np.int32(walk.low_i))
+    store_int(words, _FAR + 5, np.int32(walk.high_i))
+    store_int(words, _FAR + 6, np.int32(walk.low_j))
+    store_int(words, _FAR + 7, np.int32(walk.high_j))
+    store_int(words, _FAR + 8, np.int32(walk.main))
+    store_float(words, _FAR_WIDE, np.float32(walk.wide * _ROUND_UP))
+
+
+@device
+def _kept_far(words):
+    at = _FAR
+    return FarWalk(
+        np.int64(load_int(words, at)),
+        np.int64(load_int(words, at + 1)),
+        np.int64(load_int(words, at + 2)),
+        np.int64(load_int(words, at + 3)),
+        np.int64(load_int(words, at + 4)),
+        np.int64(load_int(words, at + 5)),
+        np.int64(load_int(words, at + 6)),
+        np.int64(load_int(words, at + 7)),
+        np.int64(load_int(words, at + 8)),
+        np.float64(load_float(words, _FAR_WIDE)),
+    )
+
+
+@device
+def _enter(frames, shapes, grid, level, course, limit, words):
+    """At the first cell of a grid."""
+    walk, way, inside = enter(frames, shapes, grid, course, limit)
+    cell, far = walk.cell if inside else -_ONE, is_far(frames, shapes, grid, course)
+    if far:
+        far_walk = begin_far(frames, shapes, grid, course, limit)
+        cell = far_walk.cell
+        # A walk that ends before it begins must not take the place of the one that it would leave.
+        if cell >= 0:
+            _keep_far(words, far_walk)
+    return _State(grid, level, cell, far, walk, way)
+
+
+@device
+def _push(words, shapes, state):
+    x, y, z = place_in(shapes, state.grid, state.cell)
+    at = STACK + _PARENT * state.level
+    store_int(words, at, np.int32(state.grid))
     store_int(words, at + 1, np.int32(x))
     store_int(words, at + 2, np.int32(y))
     store_int(words, at + 3, np.int32(z))
 
 
 @device
-def _pop(words, level, frames, shapes, course, slack):
-    """The grid around, and the `Walk` and `Way` in it where the ray went into a cell's grid."""
+def _pop(words, level, frames, shapes, course):
+    """In the grid around, at the cell whose grid the ray has left."""
     at = STACK + _PARENT * level
     grid = np.int64(load_int(words, at))
     x, y, z = np.int64(load_int(words, at + 1)), np.int64(load_int(words, at + 2)), np.int64(load_int(words, at + 3))
-    _, way, _ = enter(frames, shapes, grid, course, slack, np.inf)
-    return grid, walk_from(frames, shapes, grid, course, x, y, z), way
+    _, way, _ = enter(frames, shapes, grid, course, np.inf)
+    walk, far = walk_from(frames, shapes, grid, course, x, y, z), is_far(frames, shapes, grid, course)
+    if far:
+        _keep_far(words, resume_far(frames, shapes, grid, course, x, y, z))
+    return _State(grid, level, walk.cell, far, walk, way)
 
 
 @device
@@ -101,9 +165,11 @@ class _Test(NamedTuple):
 
 
 @device
-def _test_list(lists, code, triangles, sheared, words, test):
+def _test_list(grid, code, triangles, sheared, words, test):
     nearest, tested = test.nearest, test.tested
-    first, count = np.int64(lists[2 * code]), np.int64(lists[2 * code + 1])
+    first, count = np.int64(grid.lists[2 * code]), np.int64(grid.lists[2 * code + 1])
+    if grid.mailbox == 0:
+        return _Test(closest_in_blocks(triangles, first, count, sheared, nearest, words), tested + count)
     for block in range(first, first + ((count + (LANES - 1)) >> 2)):
         if not _all_known(triangles, block, words):
             lanes = min(count - (block - first) * LANES, LANES)
@@ -113,48 +179,55 @@ def _test_list(lists, code, triangles, sheared, words, test):
 
 
 @device
+def _onward(grid, words, course, state, limit):
+    """(state, steps): the next cell that is not empty, of this grid or those around it."""
+    cells, frames, shapes = grid.cells, grid.frames, grid.shapes
+    visited = np.int64(0)
+    while True:
+        if state.far:
+            far_walk = next_far(frames, shapes, state.grid, course, _kept_far(words), limit)
+            _keep_far(words, far_walk)
+            visited += 1
+            if far_walk.cell >= 0:
+                return _State(state.grid, state.level, far_walk.cell, True, state.walk, state.way), visited
+        else:
+            walk, steps, found = _to_next(cells, state.walk, state.way, min(state.way.leave, limit))
+            visited += steps
+            if found:
+                return _State(state.grid, state.level, walk.cell, False, walk, state.way), visited
+        if state.level == 0:
+            return _State(state.grid, state.level, -_ONE, False, state.walk, state.way), visited
+        state = _pop(words, state.level - 1, frames, shapes, course)
+
+
+@device
 def _trace(grid, triangles, words, any_will_do):
     """The nearest triangle, or the first that is met where any will do."""
     origin, direction = ray_origin(words), ray_direction(words)
-    sheared = shear(origin, direction)
-    if is_far(origin, grid.reach):
-        nearest, tested, visited = closest_from_afar(
-            grid, triangles, origin, direction, sheared, nearest_of(words), words
-        )
-        add_counts(words, visited, tested, 0)
-        return nearest
-    course, slack = course_of(origin, direction), np.float64(grid.slack)
-    cells, lists, frames, shapes = grid.cells, grid.lists, grid.frames, grid.shapes
+    sheared, course = shear(origin, direction), course_of(origin, direction)
+    cells, frames, shapes = grid.cells, grid.frames, grid.shapes
     test = _Test(nearest_of(words), np.int64(0))
-    visited, deepest, level, number = np.int64(0), np.int64(0), np.int64(0), _ROOT
-    _clear_mailbox(words)
-    walk, way, going = enter(frames, shapes, _ROOT, course, slack, np.float64(test.nearest.t))
-    visited += going
-    while going:
-        code = np.int64(cells[walk.cell])
+    visited, deepest = np.int64(0), np.int64(0)
+    if grid.mailbox != 0:
+        _clear_mailbox(words)
+    state = _enter(frames, shapes, _ROOT, np.int64(0), course, np.float64(test.nearest.t), words)
+    visited += state.cell >= 0
+    while state.cell >= 0:
+        code = np.int64(cells[state.cell])
         if code > 0:
-            test = _test_list(lists, code, triangles, sheared, words, test)
+            test = _test_list(grid, code, triangles, sheared, words, test)
             if any_will_do and test.nearest.slot >= 0:
                 break
         elif code < 0:
-            inner, inner_way, inside = enter(frames, shapes, -code, course, slack, np.float64(test.nearest.t))
-            if inside:
-                _push(words, level, number, shapes, walk)
-                level += 1
-                deepest = max(deepest, level)
-                walk, way, number = inner, inner_way, -code
+            inner = _enter(frames, shapes, -code, state.level + 1, course, np.float64(test.nearest.t), words)
+            if inner.cell >= 0:
+                _push(words, shapes, state)
+                state = inner
+                deepest = max(deepest, state.level)
                 visited += 1
                 continue
-        while True:
-            walk, steps, found = _to_next(cells, walk, way, min(way.leave, np.float64(test.nearest.t)))
-            visited += steps
-            if found:
-                break
-            if level == 0 or way.leave >= np.float64(test.nearest.t):
-                going = False
-                break
-            level -= 1
-            number, walk, way = _pop(words, level, frames, shapes, course, slack)
+        state, steps = _onward(grid, words, course, state, np.float64(test.nearest.t))
+        visited += steps
     add_counts(words, visited, test.tested, deepest)
     return test.nearest
 

@@ -1,104 +1,144 @@
 """Rays that begin so far from a grid that their rounding is more than the slack of its lists.
 
-Such a ray goes from slice to slice of cells along its longest axis, and looks into every cell of a slice that it may
-come within its rounding of; of grids within grids, into all cells.
+Such a ray goes from slice to slice of cells along its longest axis, and within a slice to every cell that it may come
+within its rounding of.
 """
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
-from isophote.kernels.accel.contract import STACK, closest_in_blocks
-from isophote.kernels.accel.grid_layout import NEAR_ORIGINS
-from isophote.kernels.accel.spread import spread_of
+from isophote.kernels.accel.grid_layout import NEAR, REACH, ROUNDING, SIZE
 from isophote.kernels.base.jit import device
-from isophote.kernels.base.simd import load_int, store_int
 
-__all__ = ["closest_from_afar", "is_far"]
+__all__ = ["FarWalk", "begin_far", "is_far", "next_far", "resume_far"]
 
-_ROOT, _ONE = np.int64(0), np.int64(1)
-_BOTTOM = np.int64(STACK)
+_ONE, _ZERO = np.int64(1), np.int64(0)
+
+
+class FarWalk(NamedTuple):
+    """A place: the cell's number (−1 at the end), slice and place in it; the places of the slice that are near the ray;
+    the axis across slices, and how near that is."""
+
+    cell: int
+    slice: int
+    i: int
+    j: int
+    low_i: int
+    high_i: int
+    low_j: int
+    high_j: int
+    main: int
+    wide: float
 
 
 @device
-def is_far(origin, reach):
-    """Whether a ray from here is one of these."""
-    return max(abs(origin.x), max(abs(origin.y), abs(origin.z))) > np.float32(NEAR_ORIGINS) * reach
+def _of(x, y, z, axis):
+    return x if axis == 0 else (y if axis == 1 else z)
 
 
 @device
-def _component(v, axis):
-    return np.float64(v.x if axis == 0 else (v.y if axis == 1 else v.z))
+def _offset(frames, shapes, grid, axis, origin):
+    """How far an origin lies from the frame's middle along an axis."""
+    return abs(origin - frames[grid, axis] - 0.5 * shapes[grid, axis] * frames[grid, SIZE + axis])
 
 
 @device
-def _cells_between(frames, shapes, axis, origin, direction, begin, end, wide):
-    """First and last cell of the outermost grid on an axis that the ray may be in at `begin` ≤ t ≤ `end`; the last
-    before the first where there is none."""
+def _distance(frames, shapes, grid, course):
+    x = _offset(frames, shapes, grid, 0, course.ox)
+    y = _offset(frames, shapes, grid, 1, course.oy)
+    return max(x, max(y, _offset(frames, shapes, grid, 2, course.oz)))
+
+
+@device
+def is_far(frames, shapes, grid, course):
+    """Whether a ray begins far from a grid."""
+    return _distance(frames, shapes, grid, course) > frames[grid, NEAR]
+
+
+@device
+def _range(frames, shapes, grid, axis, course, begin, end, wide):
+    """First and last cell on an axis that the ray may be near at `begin` ≤ t ≤ `end`; the last before the first where
+    there is none."""
+    origin, direction = _of(course.ox, course.oy, course.oz, axis), _of(course.dx, course.dy, course.dz, axis)
     a, b = origin + begin * direction, origin + end * direction
-    lower, size, count = frames[_ROOT, axis], frames[_ROOT, 3 + axis], shapes[_ROOT, axis]
+    lower, size, count = frames[grid, axis], frames[grid, SIZE + axis], shapes[grid, axis]
     first, last = (min(a, b) - wide - lower) / size, (max(a, b) + wide - lower) / size
     if not (last >= 0.0 and first < count):
-        return _ONE, _ONE - _ONE
+        return _ONE, _ZERO
     return np.int64(max(first, 0.0)), np.int64(min(last, np.float64(count - 1)))
 
 
 @device
-def _all_in(grid, cell, triangles, sheared, nearest, words):
-    """(nearest, triangles tested, cells): all that a cell and the grids within it hold."""
-    tested, visited, top = np.int64(0), np.int64(0), _BOTTOM
-    first, last = cell, cell + 1
-    while True:
-        for at in range(first, last):
-            visited += 1
-            code = np.int64(grid.cells[at])
-            if code > 0:
-                count = np.int64(grid.lists[2 * code + 1])
-                tested += count
-                block = np.int64(grid.lists[2 * code])
-                nearest = closest_in_blocks(triangles, block, count, sheared, nearest, words)
-            elif code < 0:
-                store_int(words, top, np.int32(-code))
-                top += 1
-        if top == _BOTTOM:
-            return nearest, tested, visited
-        top -= 1
-        inner = np.int64(load_int(words, top))
-        first = grid.shapes[inner, 3]
-        last = first + grid.shapes[inner, 0] * grid.shapes[inner, 1] * grid.shapes[inner, 2]
+def _slice_from(frames, shapes, grid, course, main, wide, slice_, limit):
+    """The first place in slice number `slice_` in the ray's order, or in the next that it comes near before `limit`."""
+    count, lower, size = shapes[grid, main], frames[grid, main], frames[grid, SIZE + main]
+    origin, inverse = _of(course.ox, course.oy, course.oz, main), _of(course.ix, course.iy, course.iz, main)
+    slack, one, two = wide * abs(inverse), (main + 1) % 3, (main + 2) % 3
+    while slice_ < count:
+        k = slice_ if inverse > 0.0 else count - 1 - slice_
+        a, b = (lower + k * size - origin) * inverse, (lower + (k + 1) * size - origin) * inverse
+        begin, end = max(min(a, b) - slack, 0.0), max(a, b) + slack
+        if begin > limit:
+            break
+        if end >= begin:
+            low_i, high_i = _range(frames, shapes, grid, one, course, begin, end, wide)
+            low_j, high_j = _range(frames, shapes, grid, two, course, begin, end, wide)
+            if low_i <= high_i and low_j <= high_j:
+                walk = FarWalk(_ZERO, slice_, low_i, low_j, low_i, high_i, low_j, high_j, main, wide)
+                return _with_cell(shapes, grid, course, walk)
+        slice_ += 1
+    return FarWalk(-_ONE, slice_, _ZERO, _ZERO, _ZERO, -_ONE, _ZERO, -_ONE, main, wide)
 
 
 @device
-def closest_from_afar(grid, triangles, origin, direction, sheared, nearest, words):
-    """(nearest, triangles tested, cells): the nearest triangle on such a ray."""
-    frames, shapes = grid.frames, grid.shapes
-    spread = spread_of(origin, direction, grid.reach)
-    main = sheared.kz
+def _stride(shapes, grid, axis):
+    return _ONE if axis == 0 else (shapes[grid, 0] if axis == 1 else shapes[grid, 0] * shapes[grid, 1])
+
+
+@device
+def _with_cell(shapes, grid, course, walk):
+    main = walk.main
+    inverse = _of(course.ix, course.iy, course.iz, main)
+    k = walk.slice if inverse > 0.0 else shapes[grid, main] - 1 - walk.slice
     one, two = (main + 1) % 3, (main + 2) % 3
-    start, along, inverse = _component(origin, main), _component(direction, main), _component(spread.inverse, main)
-    slack = _component(spread.slack, main)
-    wide = slack * abs(along)
-    tested, visited = np.int64(0), np.int64(0)
-    stride = _ONE, shapes[_ROOT, 0], shapes[_ROOT, 0] * shapes[_ROOT, 1]
-    count, lower, size = shapes[_ROOT, main], frames[_ROOT, main], frames[_ROOT, 3 + main]
-    for k in range(count):
-        slice_ = k if along > 0.0 else count - 1 - k
-        a, b = (lower + slice_ * size - start) * inverse, (lower + (slice_ + 1) * size - start) * inverse
-        begin, end = max(min(a, b) - slack, 0.0), max(a, b) + slack
-        if begin > np.float64(nearest.t):
-            break
-        if end < 0.0:
-            continue
-        low1, high1 = _cells_between(
-            frames, shapes, one, _component(origin, one), _component(direction, one), begin, end, wide
-        )
-        low2, high2 = _cells_between(
-            frames, shapes, two, _component(origin, two), _component(direction, two), begin, end, wide
-        )
-        for j in range(low2, high2 + 1):
-            for i in range(low1, high1 + 1):
-                cell = slice_ * stride[main] + i * stride[one] + j * stride[two]
-                nearest, more, cells = _all_in(grid, cell, triangles, sheared, nearest, words)
-                tested += more
-                visited += cells
-    return nearest, tested, visited
+    cell = shapes[grid, 3] + k * _stride(shapes, grid, main)
+    cell += walk.i * _stride(shapes, grid, one) + walk.j * _stride(shapes, grid, two)
+    return FarWalk(cell, walk.slice, walk.i, walk.j, walk.low_i, walk.high_i, walk.low_j, walk.high_j, main, walk.wide)
+
+
+@device
+def begin_far(frames, shapes, grid, course, limit):
+    """The ray's first place in a grid before `limit`."""
+    x, y, z = abs(course.dx), abs(course.dy), abs(course.dz)
+    main = _ZERO if (x >= y and x >= z) else (_ONE if y >= z else _ONE + _ONE)
+    wide = ROUNDING * (_distance(frames, shapes, grid, course) + frames[grid, REACH])
+    return _slice_from(frames, shapes, grid, course, main, wide, _ZERO, limit)
+
+
+@device
+def resume_far(frames, shapes, grid, course, x, y, z):
+    """The place at cell x, y, z, to which the ray came before."""
+    first = begin_far(frames, shapes, grid, course, np.inf)
+    main = first.main
+    k = _of(x, y, z, main)
+    slice_ = k if _of(course.ix, course.iy, course.iz, main) > 0.0 else shapes[grid, main] - 1 - k
+    here = _slice_from(frames, shapes, grid, course, main, first.wide, slice_, np.inf)
+    i, j = _of(x, y, z, (main + 1) % 3), _of(x, y, z, (main + 2) % 3)
+    walk = FarWalk(_ZERO, slice_, i, j, here.low_i, here.high_i, here.low_j, here.high_j, main, first.wide)
+    return _with_cell(shapes, grid, course, walk)
+
+
+@device
+def next_far(frames, shapes, grid, course, walk, limit):
+    """The next place in a grid before `limit`."""
+    if walk.i < walk.high_i:
+        i, j = walk.i + 1, walk.j
+    elif walk.j < walk.high_j:
+        i, j = walk.low_i, walk.j + 1
+    else:
+        return _slice_from(frames, shapes, grid, course, walk.main, walk.wide, walk.slice + 1, limit)
+    moved = FarWalk(_ZERO, walk.slice, i, j, walk.low_i, walk.high_i, walk.low_j, walk.high_j, walk.main, walk.wide)
+    return _with_cell(shapes, grid, course, moved)

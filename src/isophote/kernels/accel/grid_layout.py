@@ -1,28 +1,34 @@
 """How a grid of grids lies in memory.
 
-Grid 0 holds everything; any cell may be a grid of its own. `frames` (grids, 6) float64: least corner and cell's size.
-`shapes` (grids, 4) int64: cells on x, y, z, and the number of the first; then cells go by x, then y, then z. A cell is
-one int32:
+Grid 0 holds everything; any cell may be a grid of its own. `frames` (grids, FRAME) float64: least corner, cell's size,
+slack, how far from the frame's middle rays may begin that count as near, and how far from it corners of its triangles
+lie, both along an axis. `shapes` (grids, 4) int64: cells on x, y, z, and the number of the first; then cells go by x,
+then y, then z. A cell is one int32:
 
     0         nothing
     c > 0     list c: two int32 of `lists`, its first block and its number of triangles
     c < 0     grid −c
 
-A list holds every triangle that comes within `slack` of its cell.
+The test of a triangle is as good as exact about a triangle whose corners have moved by ROUNDING times their distance
+from the ray's origin along an axis. So a list holds every triangle that comes within that of its cell for the most
+distant origins that count as near; rays from further away look into all cells as near to them as that (grid_far.py).
+A frame is two slacks wider to every side than what it is to hold, where the slack is the largest of its triangles'.
 """
 
 from __future__ import annotations
 
-from isophote.kernels.base.table import DOUBLE_BOXES, FLOAT, INTS, LONG_ROWS, Table
+from isophote.kernels.base.table import DOUBLE_BOXES, INT, INTS, LONG_ROWS, Table
 
-__all__ = ["GRID", "MOST_LEVELS", "NEAR_ORIGINS", "SLACK"]
+__all__ = ["FRAME", "GRID", "MOST_LEVELS", "NEAR_ORIGINS", "ROUNDING"]
 
-GRID = Table("Grid", frames=DOUBLE_BOXES, shapes=LONG_ROWS, cells=INTS, lists=INTS, slack=FLOAT, reach=FLOAT)
+GRID = Table("Grid", frames=DOUBLE_BOXES, shapes=LONG_ROWS, cells=INTS, lists=INTS, mailbox=INT)
+
+# Columns of a frame.
+FRAME = 9
+SIZE, SLACK, NEAR, REACH = 3, 6, 7, 8
 
 # Grids within grids.
 MOST_LEVELS = 4
-
-# `slack` is SLACK times the largest coordinate, `reach`: twice as much as spread.py asks for rays that begin within
-# NEAR_ORIGINS times that. Rays from further away take a way of their own (grid_far.py).
-NEAR_ORIGINS = 16.0
-SLACK = NEAR_ORIGINS * 2.0**-19
+# Origins are near within so many half sizes of the grid.
+NEAR_ORIGINS = 8.0
+ROUNDING = 2.0**-20

@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from isophote.kernels.accel.grid_layout import SLACK
 from isophote.kernels.base.jit import device
 
 __all__ = ["Course", "Walk", "Way", "course_of", "enter", "place_in", "step", "walk_from"]
@@ -102,8 +103,9 @@ def walk_from(frames, shapes, grid, course, x, y, z):
 
 
 @device
-def enter(frames, shapes, grid, course, slack, limit):
+def enter(frames, shapes, grid, course, limit):
     """The `Walk` at the ray's first cell of a grid, the `Way` there, and whether it comes there before `limit`."""
+    slack = frames[grid, SLACK]
     nx, ny, nz = shapes[grid, 0], shapes[grid, 1], shapes[grid, 2]
     sx, sy, sz = frames[grid, 3], frames[grid, 4], frames[grid, 5]
     x0, x1 = _interval(frames[grid, 0], sx, nx, slack, course.ox, course.ix)
@@ -119,7 +121,7 @@ def enter(frames, shapes, grid, course, slack, limit):
         sz * abs(course.iz),
         leave,
     )
-    if begin > min(leave, limit):
+    if not begin <= min(leave, limit):
         return Walk(shapes[grid, 3], _FAR, _FAR, _FAR), way, False
     x = _cell_at(course.ox + begin * course.dx, frames[grid, 0], sx, nx)
     y = _cell_at(course.oy + begin * course.dy, frames[grid, 1], sy, ny)

@@ -34,16 +34,16 @@ __all__ = ["any_in_kd", "closest_in_kd"]
 
 open_kd = opener_at(KD)
 
-# Scratch: origin, 1/d and slack by axis, then a stack of entries of four words: node, level, interval.
-_ORIGIN, _INVERSE, _SLACK = np.int64(STACK), np.int64(STACK + 3), np.int64(STACK + 6)
-_BOTTOM, _ENTRY = np.int64(STACK + 12), np.int64(4)
-_LEAF, _ROOT, _NONE = np.int64(LEAF), np.int64(0), np.int64(-1)
+# Scratch: origin, 1/d, slack and sign by axis, then a stack of entries of four words: node, level, interval.
+_ORIGIN, _INVERSE, _SLACK, _DOWN = np.int64(STACK), np.int64(STACK + 4), np.int64(STACK + 8), np.int64(STACK + 12)
+_BOTTOM, _ENTRY = np.int64(STACK + 16), np.int64(4)
+_LEAF, _ONE = np.int64(LEAF), np.int64(1)
 _ZERO = np.float32(0)
 _MOST_BLOCK_WORDS = np.int64(1) << np.int64(40)
 
 
 class _Place(NamedTuple):
-    """A node, its level, the ray's interval in it, and the top of the stack."""
+    """A node, its level, the ray's interval in it, and the top of the stack; `node` is −1 at the end."""
 
     node: int
     level: int
@@ -60,41 +60,52 @@ def _begin(tree, words, limit):
         store_float(words, row, v.x)
         store_float(words, row + 1, v.y)
         store_float(words, row + 2, v.z)
+    inverse = spread.inverse
+    store_int(words, _DOWN, np.int32(inverse.x < _ZERO))
+    store_int(words, _DOWN + 1, np.int32(inverse.y < _ZERO))
+    store_int(words, _DOWN + 2, np.int32(inverse.z < _ZERO))
     enter, leave = box_interval(spread, tree.bounds, limit)
-    return _Place(_ROOT, np.int64(0), enter, leave, _BOTTOM)
+    return _Place(np.int64(0) if enter <= leave else -_ONE, np.int64(0), enter, leave, _BOTTOM)
 
 
 @device
-def _step(nodes, words, place, axis, child):
-    """From an inner node to the child that the ray is in first; the other waits where the ray comes there too."""
-    plane = load_float(nodes, 2 * place.node)
-    inverse, slack = load_float(words, _INVERSE + axis), load_float(words, _SLACK + axis)
-    t = (plane - load_float(words, _ORIGIN + axis)) * inverse
-    level = place.level + 1
-    near = child + np.int64(inverse < _ZERO)
-    far = child + np.int64(inverse >= _ZERO)
-    if t + slack < place.enter:
-        return _Place(far, level, place.enter, place.leave, place.top)
-    if t - slack > place.leave:
-        return _Place(near, level, place.enter, place.leave, place.top)
-    top = place.top
-    store_int(words, top, np.int32(far))
-    store_int(words, top + 1, np.int32(level))
-    store_float(words, top + 2, max(t - slack, place.enter))
-    store_float(words, top + 3, place.leave)
-    return _Place(near, level, place.enter, min(t + slack, place.leave), top + _ENTRY)
+def _descend(nodes, words, place):
+    """From a node to the leaf that the ray is in first; other sides wait on the stack where the ray comes there too."""
+    node, level, enter, leave, top = place.node, place.level, place.enter, place.leave, place.top
+    while True:
+        code = np.int64(load_int(nodes, 2 * node + 1))
+        axis = code & _LEAF
+        if axis == _LEAF:
+            return _Place(node, level, enter, leave, top)
+        # Children are a pair from an even number on: the nearer side is that of the ray's sign, the other its partner.
+        near = (code >> 2) + np.int64(load_int(words, _DOWN + axis))
+        t = (load_float(nodes, 2 * node) - load_float(words, _ORIGIN + axis)) * load_float(words, _INVERSE + axis)
+        slack = load_float(words, _SLACK + axis)
+        level += 1
+        node = near
+        if t - slack > leave:
+            continue
+        if t + slack < enter:
+            node = near ^ _ONE
+            continue
+        store_int(words, top, np.int32(near ^ _ONE))
+        store_int(words, top + 1, np.int32(level))
+        store_float(words, top + 2, max(t - slack, enter))
+        store_float(words, top + 3, leave)
+        top += _ENTRY
+        leave = min(t + slack, leave)
 
 
 @device
 def _next_waiting(words, top, limit):
-    """The next node on the stack whose interval begins before `limit`; the node _NONE if there is none."""
+    """The next node on the stack whose interval begins before `limit`."""
     while top > _BOTTOM:
         top -= _ENTRY
         enter = load_float(words, top + 2)
         if enter <= limit:
             node, level = np.int64(load_int(words, top)), np.int64(load_int(words, top + 1))
             return _Place(node, level, enter, load_float(words, top + 3), top)
-    return _Place(_NONE, np.int64(0), limit, limit, top)
+    return _Place(-_ONE, np.int64(0), limit, limit, top)
 
 
 @entry
@@ -105,14 +116,12 @@ def closest_in_kd(tables, blocks, ray):
     nearest = nearest_of(words)
     place = _begin(tree, words, nearest.t)
     visited, tested, deepest = np.int64(0), np.int64(0), np.int64(0)
-    while place.node != _NONE and place.enter <= place.leave:
-        visited += 1
-        code = np.int64(load_int(nodes, 2 * place.node + 1))
-        if code & _LEAF != _LEAF:
-            place = _step(nodes, words, place, code & _LEAF, code >> 2)
-            continue
+    while place.node >= 0:
+        above = place.level
+        place = _descend(nodes, words, place)
+        visited += place.level - above + 1
         deepest = max(deepest, place.level)
-        count = code >> 2
+        count = np.int64(load_int(nodes, 2 * place.node + 1)) >> 2
         if count > 0:
             tested += count
             first = np.int64(load_int(nodes, 2 * place.node))
@@ -130,14 +139,12 @@ def any_in_kd(tables, blocks, ray):
     limit = nearest_of(words).t
     place = _begin(tree, words, limit)
     visited, tested, deepest, met = np.int64(0), np.int64(0), np.int64(0), np.int64(0)
-    while place.node != _NONE and place.enter <= place.leave:
-        visited += 1
-        code = np.int64(load_int(nodes, 2 * place.node + 1))
-        if code & _LEAF != _LEAF:
-            place = _step(nodes, words, place, code & _LEAF, code >> 2)
-            continue
+    while place.node >= 0:
+        above = place.level
+        place = _descend(nodes, words, place)
+        visited += place.level - above + 1
         deepest = max(deepest, place.level)
-        count = code >> 2
+        count = np.int64(load_int(nodes, 2 * place.node + 1)) >> 2
         if count > 0:
             tested += count
             first = np.int64(load_int(nodes, 2 * place.node))

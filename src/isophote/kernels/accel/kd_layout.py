@@ -1,6 +1,6 @@
 """How a kd-tree lies in memory, and the words of events that it is built from.
 
-A node fills NODE words, its children lie side by side, at `child` (the lower side) and the next:
+A node fills NODE words, its children lie side by side, at an even number `child` (the lower side) and the next:
 
     inner   position of the plane (float32), child · 4 + axis (int32)
     leaf    first block (int32), triangles · 4 + LEAF (int32)
