@@ -94,6 +94,12 @@ def test_rays() -> None:
     assert output.count("| 70k |") == 3 * 6 + 3
 
 
+def test_primitives() -> None:
+    output = output_of("primitives.py", *TINY_RAYS, "--triangles", "2000")
+    for solid in ("sphere", "cylinder", "torus"):
+        assert float(cells(output, solid)[3]) > 0
+
+
 @needs_embree
 def test_build() -> None:
     output = output_of("build.py", "--rounds", "1", "--frequency", "8")
