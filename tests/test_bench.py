@@ -155,3 +155,10 @@ def test_voronoi() -> None:
     output = output_of("voronoi.py", "--rounds", "1", "--points", "2000", "--edges", "100")
     assert float(cells(output, "sweep against triangle")[0]) > 0
     assert cells(output, "100")[2].startswith("≤ 1")
+
+
+def test_ray_trace() -> None:
+    arguments = ("--rounds", "1", "--size", "8", "--frequency", "4", "--samples", "2", "--long", "16", "--no-peer")
+    output = output_of("ray_trace.py", *arguments)
+    assert float(cells(output, "glass and mirror, depth 8")[1]) > 0
+    assert len(cells(output, "64")) == 5
