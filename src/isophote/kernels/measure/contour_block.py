@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from isophote.kernels.base.jit import device
+from isophote.kernels.base.jit import device, exact_apart
 from isophote.kernels.base.simd import bits, load16, lowest_bit, splat16, store16
 from isophote.kernels.forms.interpreters import values_on
 from isophote.kernels.forms.opcodes import INPUTS
@@ -41,7 +41,7 @@ def _place_samples(grid, points, i, j, k):
         store16(points, axis * POINTS + POINTS - 16, last)
 
 
-@device
+@exact_apart
 def sample_block(grid, work, count, i, j, k):
     """The values at the samples of the block at cell (i, j, k), by the tape in `work.leaf`; False if one is NaN."""
     _place_samples(grid, work.points, i, j, k)
@@ -77,7 +77,7 @@ def _add_edges(work, crossed, axis, y, z, count):
     return count
 
 
-@device
+@exact_apart
 def find_crossed_edges(work):
     """List the edges of the block between samples of unlike signs, in `work.starts`: axis · BLOCK_SAMPLES + sample."""
     signs = work.rows_of_signs

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from isophote.kernels.base.jit import device
+from isophote.kernels.base.jit import device, exact_apart
 from isophote.kernels.base.simd import load4, lowest_bit, store4
 from isophote.kernels.base.simd_double import double_lane, load_doubles, splat_doubles, store_doubles
 from isophote.kernels.base.simd_planes import later_products, leading_products
@@ -103,7 +103,7 @@ def _put_edges(work, output, case, code, sample, edge):
     return edge
 
 
-@device
+@exact_apart
 def gather_cells(grid, work, output, block, corner, side, some_unknown, cell, edge, component, first_edge):
     """Put out the cells of a block that the surface crosses, in the order of their codes, and make their components.
 

@@ -21,7 +21,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from isophote.kernels.base.jit import device
+from isophote.kernels.base.jit import device, exact_apart
 from isophote.kernels.base.simd_double import load_doubles, splat_doubles, store_doubles
 from isophote.kernels.measure.contour_cells import BLOCKED
 from isophote.kernels.measure.contour_groups import MOST, label, lone_children_fit, take_edges, take_group
@@ -223,7 +223,7 @@ def _merge_level(grid, work, made, entries, level):
     return made, kept
 
 
-@device
+@exact_apart
 def merge_components(grid, work, components):
     """Merge the components of a brick's smallest cells as far as it goes; how many numbers of components are taken."""
     for mark in range(work.unmerged.rows):

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from isophote.kernels.base.jit import device
+from isophote.kernels.base.jit import device, exact_apart
 from isophote.kernels.base.simd import absolute, bits, load16, maximum, minimum, select, splat16, square_root, store16
 from isophote.kernels.forms.interpreters import gradients_on, values_on
 from isophote.kernels.forms.opcodes import INPUTS
@@ -253,7 +253,7 @@ def _find_chords(work, crossings, x0, y0, z0):
             _write(work, lane, begin + lane, x0, y0, z0)
 
 
-@device
+@exact_apart
 def find_roots(grid, work, count, crossings, x0, y0, z0):
     """Places, normals and planes of the crossings listed in `work.starts`; the block lies at (x0, y0, z0) in its brick.
     Returns whether some have no normal.

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from isophote.kernels.base.jit import device
+from isophote.kernels.base.jit import device, exact_apart
 from isophote.kernels.base.simd import absolute, bits, load16, maximum, minimum, select, splat16, square_root, store16
 
 __all__ = ["BOX_HIGH", "BOX_LOW", "MATRIX", "QEF_WORDS", "RIGHT", "SOLUTION", "solve_qefs"]
@@ -148,7 +148,7 @@ def _solve_planes(work):
     return bits(_inside(work, x, y, z, _SLACK)) == _ALL
 
 
-@device
+@exact_apart
 def solve_qefs(work):
     """Solve the sixteen functions in `work`, float32; boxes hold their middles. See the names of its rows above."""
     if _solve_planes(work):
