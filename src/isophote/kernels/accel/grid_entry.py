@@ -1,7 +1,8 @@
 """Rays through a grid of grids, in grid_layout.py's memory: from cell to cell, and into the grids that cells are.
 
-A triangle stands in the list of every cell that it overlaps. Where these are many, a ray keeps the numbers of those
-that it was tested against last ("mailbox", Amanatides and Woo), and passes by blocks of nothing else.
+A triangle stands in the list of every cell that it overlaps, so a ray keeps the slots of those that it was tested
+against last ("mailbox", Amanatides and Woo). The others are gathered to a block in the ray's words, to be tested four
+at a time.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from isophote.kernels.accel.grid_far import FarWalk, begin_far, is_far, next_far
 from isophote.kernels.accel.grid_layout import GRID, MOST_LEVELS
 from isophote.kernels.accel.grid_walk import Walk, Way, course_of, enter, place_in, step, walk_from
 from isophote.kernels.accel.layout import BLOCK, LANES, NUMBER
-from isophote.kernels.base.entry import entry, floats_at, opener_at
+from isophote.kernels.base.entry import element_address, entry, floats_at, opener_at
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.simd import load_float, load_int, store_float, store_int
 from isophote.kernels.forms.triangle import shear
@@ -40,6 +41,8 @@ _FAR = np.int64(STACK + 4 * (MOST_LEVELS + 1))
 _FAR_WIDE = _FAR + np.int64(9)
 _ROUND_UP = 1.0 + 2.0**-22
 _MAILBOX = np.int64(STACK + 4 * (MOST_LEVELS + 1) + 12)
+_GATHERED = _MAILBOX + np.int64(64)
+_MISSING = np.float32(np.nan)
 _BOXES = np.int64(64)
 _ROOT, _NOTHING, _ONE = np.int64(0), np.int32(-1), np.int64(1)
 _MOST_BLOCK_WORDS = np.int64(1) << np.int64(40)
@@ -52,15 +55,11 @@ def _clear_mailbox(words):
 
 
 @device
-def _all_known(triangles, block, words):
-    """Whether the ray was tested against all of a block's triangles, which it is from now on."""
-    known = True
-    for k in range(LANES):
-        number = load_int(triangles, block * BLOCK + NUMBER + k)
-        if number >= 0:
-            box = _MAILBOX + (np.int64(number) & (_BOXES - 1))
-            known = known and load_int(words, box) == number
-            store_int(words, box, number)
+def _known(slot, words):
+    """Whether the ray was tested against the triangle of a slot lately; it is from now on."""
+    box = _MAILBOX + (slot & (_BOXES - 1))
+    known = np.int64(load_int(words, box)) == slot
+    store_int(words, box, np.int32(slot))
     return known
 
 
@@ -123,10 +122,10 @@ def _enter(frames, shapes, grid, level, course, limit, words):
 
 
 @device
-def _push(words, shapes, state):
-    x, y, z = place_in(shapes, state.grid, state.cell)
-    at = STACK + _PARENT * state.level
-    store_int(words, at, np.int32(state.grid))
+def _push(words, shapes, grid, level, cell):
+    x, y, z = place_in(shapes, grid, cell)
+    at = STACK + _PARENT * level
+    store_int(words, at, np.int32(grid))
     store_int(words, at + 1, np.int32(x))
     store_int(words, at + 2, np.int32(y))
     store_int(words, at + 3, np.int32(z))
@@ -147,9 +146,10 @@ def _pop(words, level, frames, shapes, course):
 
 @device
 def _to_next(cells, walk, way, limit):
-    """(walk, steps): the next cell that is not empty, or one that the ray leaves at or behind `limit`."""
-    steps = np.int64(0)
-    while min(walk.next_x, min(walk.next_y, walk.next_z)) < limit:
+    """(walk, steps, found): the next cell of a grid that is not empty, unless the ray leaves the grid or comes to
+    `limit` before."""
+    steps, end = np.int64(0), min(way.leave, limit)
+    while min(walk.next_x, min(walk.next_y, walk.next_z)) < end:
         walk = step(walk, way)
         steps += 1
         if cells[walk.cell] != 0:
@@ -165,24 +165,53 @@ class _Test(NamedTuple):
 
 
 @device
+def _gather(triangles, slot, words, lane):
+    """Copy a triangle to a lane of the block in the ray's words."""
+    at = slot // LANES * BLOCK + slot % LANES
+    for k in range(9):
+        store_int(words, _GATHERED + lane + k * LANES, load_int(triangles, at + k * LANES))
+    store_int(words, _GATHERED + NUMBER + lane, np.int32(slot))
+
+
+@device
+def _test_gathered(words, sheared, nearest, count):
+    """`nearest`, or what is nearer among the first `count` triangles of the block in the ray's words."""
+    for lane in range(count, LANES):
+        for k in range(9):
+            store_float(words, _GATHERED + lane + k * LANES, _MISSING)
+    gathered = closest_in_blocks(
+        floats_at(element_address(words, _GATHERED), np.int64(BLOCK)), _ROOT, count, sheared, nearest, words
+    )
+    if gathered.t < nearest.t:
+        slot = np.int64(load_int(words, _GATHERED + NUMBER + gathered.slot))
+        return Nearest(gathered.t, gathered.weight1, gathered.weight2, slot)
+    return nearest
+
+
+@device
 def _test_list(grid, code, triangles, sheared, words, test):
-    nearest, tested = test.nearest, test.tested
-    first, count = np.int64(grid.lists[2 * code]), np.int64(grid.lists[2 * code + 1])
-    if grid.mailbox == 0:
-        return _Test(closest_in_blocks(triangles, first, count, sheared, nearest, words), tested + count)
-    for block in range(first, first + ((count + (LANES - 1)) >> 2)):
-        if not _all_known(triangles, block, words):
-            lanes = min(count - (block - first) * LANES, LANES)
-            tested += lanes
-            nearest = closest_in_blocks(triangles, block, lanes, sheared, nearest, words)
+    """Test the ray against those triangles of a list that it has not been tested against, four at a time."""
+    nearest, tested, lane = test.nearest, test.tested, np.int64(0)
+    for k in range(grid.lists[code], grid.lists[code + 1]):
+        slot = np.int64(grid.slots[k])
+        if _known(slot, words):
+            continue
+        tested += 1
+        _gather(triangles, slot, words, lane)
+        lane += 1
+        if lane == LANES:
+            nearest = _test_gathered(words, sheared, nearest, lane)
+            lane = np.int64(0)
+    if lane > 0:
+        nearest = _test_gathered(words, sheared, nearest, lane)
     return _Test(nearest, tested)
 
 
 @device
 def _onward(grid, words, course, state, limit):
-    """(state, steps): the next cell that is not empty, of this grid or those around it."""
+    """(state, steps): the next cell of a far ray's grid, or the next that is not empty of the grids around."""
     cells, frames, shapes = grid.cells, grid.frames, grid.shapes
-    visited = np.int64(0)
+    visited, left = np.int64(0), not state.far
     while True:
         if state.far:
             far_walk = next_far(frames, shapes, state.grid, course, _kept_far(words), limit)
@@ -190,14 +219,14 @@ def _onward(grid, words, course, state, limit):
             visited += 1
             if far_walk.cell >= 0:
                 return _State(state.grid, state.level, far_walk.cell, True, state.walk, state.way), visited
-        else:
-            walk, steps, found = _to_next(cells, state.walk, state.way, min(state.way.leave, limit))
+        elif not left:
+            walk, steps, found = _to_next(cells, state.walk, state.way, limit)
             visited += steps
             if found:
                 return _State(state.grid, state.level, walk.cell, False, walk, state.way), visited
         if state.level == 0:
             return _State(state.grid, state.level, -_ONE, False, state.walk, state.way), visited
-        state = _pop(words, state.level - 1, frames, shapes, course)
+        state, left = _pop(words, state.level - 1, frames, shapes, course), False
 
 
 @device
@@ -208,12 +237,12 @@ def _trace(grid, triangles, words, any_will_do):
     cells, frames, shapes = grid.cells, grid.frames, grid.shapes
     test = _Test(nearest_of(words), np.int64(0))
     visited, deepest = np.int64(0), np.int64(0)
-    if grid.mailbox != 0:
-        _clear_mailbox(words)
+    _clear_mailbox(words)
     state = _enter(frames, shapes, _ROOT, np.int64(0), course, np.float64(test.nearest.t), words)
-    visited += state.cell >= 0
-    while state.cell >= 0:
-        code = np.int64(cells[state.cell])
+    walk, way, cell = state.walk, state.way, state.cell
+    visited += cell >= 0
+    while cell >= 0:
+        code = np.int64(cells[cell])
         if code > 0:
             test = _test_list(grid, code, triangles, sheared, words, test)
             if any_will_do and test.nearest.slot >= 0:
@@ -221,12 +250,21 @@ def _trace(grid, triangles, words, any_will_do):
         elif code < 0:
             inner = _enter(frames, shapes, -code, state.level + 1, course, np.float64(test.nearest.t), words)
             if inner.cell >= 0:
-                _push(words, shapes, state)
+                _push(words, shapes, state.grid, state.level, cell)
                 state = inner
+                walk, way, cell = state.walk, state.way, state.cell
                 deepest = max(deepest, state.level)
                 visited += 1
                 continue
+        # What happens in nearly every cell stays in a few registers.
+        if not state.far:
+            walk, steps, found = _to_next(cells, walk, way, np.float64(test.nearest.t))
+            cell = walk.cell
+            visited += steps
+            if found:
+                continue
         state, steps = _onward(grid, words, course, state, np.float64(test.nearest.t))
+        walk, way, cell = state.walk, state.way, state.cell
         visited += steps
     add_counts(words, visited, test.tested, deepest)
     return test.nearest
