@@ -29,6 +29,7 @@ def mean_features(scene: Packed, size: Size, chosen: PixelFilter, threads: int |
 
     What reflects nothing has the albedo 1. "albedo variance" and so on are the variances of these means.
     """
+    pool = Pool(threads)
     offsets = filter_table(chosen).offsets
     steps = np.linspace(0, 1, len(offsets))
     sums: dict[str, Array] = {}
@@ -37,10 +38,12 @@ def mean_features(scene: Packed, size: Size, chosen: PixelFilter, threads: int |
         x, y = (0.5 + float(np.interp(value, steps, offsets)) for value in u[:2])
         radius, angle = math.sqrt(u[2]), 2 * math.pi * u[3]
         lens = radius * math.cos(angle), radius * math.sin(angle)
-        for name, values in _features(scene, size, (x, y, *lens), threads).items():
+        for name, values in _features(scene, size, (x, y, *lens), pool).items():
             total, squares = sums.setdefault(name, np.zeros((2, *values.shape)))
             total += values
             squares += values.astype(np.float64) ** 2
+    if pool.interrupted:
+        raise KeyboardInterrupt
     found: dict[str, Array] = {}
     for name, (total, squares) in sums.items():
         mean = total / _PLACES
@@ -49,10 +52,8 @@ def mean_features(scene: Packed, size: Size, chosen: PixelFilter, threads: int |
     return found
 
 
-def _features(
-    scene: Packed, size: Size, place: tuple[float, float, float, float], threads: int | None
-) -> dict[str, Array]:
-    channels = first_hit_channels(scene, size, Pool(threads), place)
+def _features(scene: Packed, size: Size, place: tuple[float, float, float, float], pool: Pool) -> dict[str, Array]:
+    channels = first_hit_channels(scene, size, pool, place)
     albedo = channels["albedo"]
     dark = albedo.max(axis=2, keepdims=True) < _DARK
     return {

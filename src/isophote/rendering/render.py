@@ -32,7 +32,7 @@ def render(
 ) -> Image:
     """The picture of a shape or a scene, by a method (`PathTrace()` if none is given).
 
-    A field in the plane is drawn with isolines, as a `FieldPlot` says; neither `seed` nor `threads` matter then.
+    A field in the plane is drawn with isolines, as a `FieldPlot` says; `seed`, `threads`, `denoise` do not matter then.
     A bare shape gets a camera that frames it, light and a ground; a scene without camera or light gets that.
     `size` is (width, height) in pixels. The same `seed` gives the same picture for any number of `threads` (all
     processors if None). `progress`: True shows bars, False none, None shows them on a terminal; a function is

@@ -95,7 +95,7 @@ def _patch_sums(t, first, count, columns, rows, plane):
 
 
 @device
-def _add_row(t, total, row, other, beside, count, plane, weights):
+def _add_row(t, total, other, beside, count, plane, weights):
     """Turn distances into weights, and add a row of pixels so weighted."""
     colour, inside, scratch = t.colour, t.inside, t.scratch
     for i in range(count):
@@ -133,7 +133,7 @@ def _add_shifted(t, first, plane, columns, x0, y0, count, rows, dx, dy):
             scratch[weights + i] *= share
         for k in range(features):
             _raise_to_feature_difference(t, k, row, row + dy, x0, x0 + dx, count, weights)
-        _add_row(t, first + _TOTAL * plane + y * columns, row, row + dy, x0 + dx, count, plane, weights)
+        _add_row(t, first + _TOTAL * plane + y * columns, row + dy, x0 + dx, count, plane, weights)
 
 
 @kernel
