@@ -4,8 +4,8 @@
     sample(materials, node, scratch)           a direction, f |cosθ| / density, and the density
     branch(materials, node, scratch, k)        the k-th of the single directions that light is sent to, and its share
 
-All take the address of the MATERIALS table, the node of theirs, and the address of the scratch below, and leave 1 there
-was light, else 0. Directions are local: z is the shading normal on the side that is looked from, x the tangent along
+All take the address of the MATERIALS table, the node of theirs, and the address of the scratch below. There they leave
+what they find, and return 1 if that is light, else 0. Directions are local: z is the shading normal on the side that is looked from, x the tangent along
 which texture coordinate u grows; `out` leaves the surface towards where the path came from, `into` is where it goes on,
 with a negative z through the surface. Densities are per steradian; 0 means a single direction, and the weight is then
 f |cosθ| integrated over it, divided by the chance of picking it. What `sample` leaves in VALUE is divided by DENSITY.
