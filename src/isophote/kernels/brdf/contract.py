@@ -5,10 +5,11 @@
     branch(materials, node, scratch, k)        the k-th of the single directions that light is sent to, and its share
 
 All take the address of the MATERIALS table, the node of theirs, and the address of the scratch below. There they leave
-what they find, and return 1 if that is light, else 0. Directions are local: z is the shading normal on the side that is looked from, x the tangent along
-which texture coordinate u grows; `out` leaves the surface towards where the path came from, `into` is where it goes on,
-with a negative z through the surface. Densities are per steradian; 0 means a single direction, and the weight is then
-f |cosθ| integrated over it, divided by the chance of picking it. What `sample` leaves in VALUE is divided by DENSITY.
+what they find, and return 1 if that is light, else 0. Directions are local: z is the shading normal on the side that is
+looked from, x the tangent along which texture coordinate u grows; `out` leaves the surface towards where the path came
+from, `into` is where it goes on, with a negative z through the surface. Densities are per steradian; 0 means a single
+direction, and the weight is then f |cosθ| integrated over it, divided by the chance of picking it. What `sample` leaves
+in VALUE is divided by DENSITY.
 
 A material is a tree of nodes, one unless it mixes or coats others. A node's parameters are slots: three floats each,
 textures included, which lie in the scratch when an entry is called.
