@@ -63,7 +63,7 @@ _SPARE = np.float32(1 + 2.0**-10)
 # Where a ray starts within a region, it usually leaves a surface: how near its first points lie, in steps that
 # positions can tell apart.
 _NEAR = np.float32(8)
-# A crossing is looked at closer until its gap is so short in parts of the details' size; a line finds it there.
+# A crossing is looked at closer until its gap, with what a bend may move it, is so short in parts of the details' size.
 _CLOSE = np.float32(2.0**-13)
 # A line finds a crossing to this part of the details' size, where three gaps in turn that are not longer than the
 # other part say so.
@@ -282,7 +282,7 @@ def _slope(places, base, k):
 
 
 @device
-def _root(places, base, k, detail):
+def _root(places, base, k, line):
     """(place in gap `k` at which the values cross zero, whether it is known so well that no closer look is needed).
 
     It lies on the line through the values at both ends, or on a parabola where the gaps beside it bend alike.
@@ -291,23 +291,25 @@ def _root(places, base, k, detail):
     a, b = load_float(places, base + _POINTS + k), load_float(places, base + _POINTS + k + 1)
     width, slope = to - at, (b - a) / (to - at)
     place = at + width * (a / (a - b))
+    tiny = width <= _GROWTH * line.least
     if k == 0 or k == _LAST - 1:
-        return place, False
+        return place, tiny
     to_before = to - load_float(places, base + k - 1)
     to_behind = load_float(places, base + k + 2) - at
     before, behind = slope - _slope(places, base, k - 1), _slope(places, base, k + 1) - slope
     bend = max(abs(before), abs(behind))
     # A line would be off by the bend times the gap, over eight slopes, or by a kink's whole bend.
-    known = width <= _SHORT * detail and bend * width <= _STRAIGHT * detail * abs(slope)
+    off = bend * width / abs(slope)
+    known = width <= _SHORT * line.detail and (off <= _STRAIGHT * line.detail or off + width <= _CLOSE * line.detail)
     before, behind = before / to_before, behind / to_behind
     if abs(behind - before) < _ALIKE * abs(behind + before):
         curve = (before + behind) * _HALF
         for _ in range(_NEWTON_STEPS):
-            off = slope + curve * ((place - at) + (place - to))
-            place -= ((place - at) * slope + a + curve * (place - at) * (place - to)) / off
+            value = (place - at) * slope + a + curve * (place - at) * (place - to)
+            place -= value / (slope + curve * ((place - at) + (place - to)))
         # Where positions cannot tell points apart, slopes are no numbers.
         place = place if at <= place <= to else at + width * (a / (a - b))
-    return place, known
+    return place, known or tiny
 
 
 @device
@@ -317,7 +319,6 @@ def first_crossing(fields, data, tape, line, start, end, sign, leaves, any_hit, 
     `leaves` tells that a ray begins here. Returns (sign, whether there is such a place, place); with `any_hit` the
     place is only near. `slots`, `places` and `choices` are scratch.
     """
-    close = max(line.detail * _CLOSE, _GROWTH * line.least)
     base = np.int64(0)
     sign = _look(fields, data, tape, line, start, end, _NEAR * line.least if leaves else end, sign, slots, places, base)
     if not tape.lipschitz < _FAR:
@@ -339,8 +340,8 @@ def first_crossing(fields, data, tape, line, start, end, sign, leaves, any_hit, 
         k = lowest_bit(unclear)
         at, to = load_float(places, base + k), load_float(places, base + k + 1)
         if (crossed >> k) & _GAP:
-            place, known = _root(places, base, k, line.detail)
-            if known or any_hit or to - at <= close or base == _DEEPEST:
+            place, known = _root(places, base, k, line)
+            if known or any_hit or base == _DEEPEST:
                 return sign, True, place
         last = _together(unclear, crossed, k)
         failed = load_int(places, base + _FAILED) + np.int32(1)
