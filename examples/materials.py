@@ -1,4 +1,6 @@
-"""Fifteen balls, a material each, in three rows of five: from matte at the front to measured metals at the back.
+"""Fifteen balls, a material each, in three rows of five: from matte at the front to metals at the back.
+
+Colours and numbers of a material may be textures, as the floor's are. Brushed metal is rougher one way than the other.
 
     isophote render examples/materials.py -o materials.png --size 800x450 --samples 256
 """
