@@ -71,6 +71,7 @@ _HOME = {
     "ThinGlass": "scene.thin_glass",
     "Tracer": "rendering.tracer",
     "Transform": "scene.transform",
+    "Visits": "rendering.visits",
     "Ward": "scene.gloss",
     "ambient_occlusion": "rendering.occlusion.points",
     "arc": "shapes.field.field2",

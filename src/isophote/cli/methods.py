@@ -21,6 +21,7 @@ METHODS = {
     "radiosity": ("radiosity.method", "Radiosity"),
     "ray": ("ray_trace", "RayTrace"),
     "sphere": ("sphere_trace", "SphereTrace"),
+    "visits": ("visits", "Visits"),
 }
 
 

@@ -85,6 +85,9 @@ def render(
     denoise: Annotated[
         bool, typer.Option("--denoise", help="Take the noise out, by Open Image Denoise where it is installed.")
     ] = False,
+    accelerator: Annotated[
+        str | None, typer.Option(metavar="NAME", help="What finds what rays meet: bvh, grid, kdtree.  [default: bvh]")
+    ] = None,
     size: Annotated[str, typer.Option(metavar="WxH", help="Width and height in pixels.")] = "640x480",
     seed: Annotated[int, typer.Option(metavar="N", help="The same seed gives the same picture.")] = 0,
     threads: Annotated[
@@ -110,6 +113,7 @@ def render(
         "light_samples": light_samples,
         "filter": filter_name,
         "pattern": pattern,
+        "accelerator": accelerator,
     }
     from isophote.cli.progress import progress
     from isophote.cli.subject import load_subject
