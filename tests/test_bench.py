@@ -54,6 +54,17 @@ def test_spheres_are_closed_and_face_outward(monkeypatch: pytest.MonkeyPatch) ->
             assert (np.linalg.det(points[triangles].astype(float)) > 0).all()
 
 
+def test_sampling() -> None:
+    tiny = ("--size", "8", "--rounds", "1", "--reference", "64")
+    output = output_of("sampling.py", *tiny, "--parts", "patterns", "spectrum")
+    few, many = (float(cells(output, "area light, sobol")[k]) for k in (0, 2))
+    assert many < 0.3 * few
+    assert float(cells(output, "area light, independent")[5]) == 1
+    assert float(cells(output, "area light, blue-noise")[0]) > 0
+    output = output_of("sampling.py", *tiny, "--parts", "adaptive")
+    assert float(cells(output, "stars, noise 0.05")[2]) > 0.2
+
+
 def test_threads() -> None:
     output = output_of("threads.py", *TINY_RAYS, "--frequency", "4", "--samples", "1")
     assert float(cells(output, "PathTrace, Cornell box")[2]) > 0
