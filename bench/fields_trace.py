@@ -20,17 +20,10 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 import isophote as iso
-from common import in_turns, print_machine, print_table, verdict
+from common import print_machine, print_table, verdict
 from isophote.accel import field_tree
-from isophote.kernels.trace.path import path_trace_tile
-from isophote.kernels.trace.tables import PLAN
-from isophote.kernels.trace.wave import new_wave
 from isophote.lower import scene as lowering
-from isophote.lower.field_table import scratch_words
 from isophote.lower.latest import Latest
-from isophote.rendering.film import Film
-from isophote.rendering.passes import PATTERNS
-from isophote.rendering.pixel_filter import as_pixel_filter, filter_table
 from isophote.shapes.field.tape import tape_of
 
 GOAL_PRUNING, GOAL_EDIT, GOAL_MESH = 50, 0.2, 0.3
@@ -127,33 +120,22 @@ def editing(rounds: int) -> None:
     print_table(("operations", "s from edit to picture, min", "median", "goal"), [row])
 
 
-def path_traced(shape: iso.Field | iso.Mesh, size: int = 256, samples: int = 16) -> Callable[[], None]:
-    """The path tracer's kernel over a whole picture, with everything made before."""
+def path_traced(shape: iso.Field | iso.Mesh, size: int = 256, samples: int = 16) -> Callable[[], float]:
+    """Processor seconds of path tracing a shape, with everything made before."""
     lights = [iso.Sun((1, 2, 1), 2.0), iso.Sky("white", 0.5)]
     camera = iso.Camera((1.5, 1.2, 3.2), (0, 0, 0))
     scene = iso.Scene([iso.Item(shape, iso.Matte("white"))], lights=lights, camera=camera)
-    forget()
-    tables = lowering.lower_scene(scene, (size, size))
-    table = filter_table(as_pixel_filter("box"))
-    plan = PLAN.pack(
-        width=size,
-        height=size,
-        samples=samples,
-        seed=1,
-        pattern=PATTERNS["blue-noise"],
-        offsets=table.offsets,
-        crossings=table.crossings,
-        max_depth=8,
-        roulette_depth=3,
-    )
-    wave = new_wave(1040, scratch_words(tables.arrays["fields"]))
+    method, latest = iso.PathTrace(samples=samples, max_depth=8), Latest()
+    stamps: dict[str, float] = {}
 
-    def trace() -> None:
-        film = Film((size, size), table)
-        film.target[:] = samples
-        for y in range(0, size, 32):
-            for x in range(0, size, 32):
-                path_trace_tile(tables.words, plan.words, film.words, wave.words, x, x + 32, y, y + 32)
+    def mark(stage: str, fraction: float) -> None:
+        stamps[stage] = time.process_time()
+
+    def trace() -> float:
+        # What was lowered last is kept for the next picture; here, for each of the two shapes.
+        lowering._latest = latest
+        iso.render(scene, method, size=(size, size), threads=1, progress=mark)
+        return stamps["path tracing"] - stamps["building the tree"]
 
     return trace
 
@@ -173,8 +155,10 @@ def meshes(triangles: int, rounds: int) -> None:
         cell = float((high - low).max()) / 128
         few = iso.to_mesh(shape, cell=cell).face_count
         mesh = iso.to_mesh(shape, cell=cell * (few / triangles) ** 0.5)
-        found = in_turns({"field": path_traced(shape), "mesh": path_traced(mesh)}, rounds)
-        field, other = found["field"].cpu, found["mesh"].cpu
+        sides = path_traced(shape), path_traced(mesh)
+        for side in sides:
+            side()
+        field, other = np.array([[side() for side in sides] for _ in range(rounds)]).T
         paths = 256**2 * 16 / 1e9
         ratio = float(other.min() / field.min())
         rows.append(
