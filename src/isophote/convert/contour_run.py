@@ -141,9 +141,11 @@ class _Worker:
             if done > room.done:
                 chunks.append(Chunk(room.output.arrays, room.done, done))
                 first += done - room.done
-            if status == contour_brick.NO_ROOM:
-                # What a brick needs more than all of, it needs twice.
-                room = self._new(room.size if done > 0 else 2 * room.size)
+            if status == contour_brick.NO_ROOM and done > 0:
+                room = room._replace(output=self._new_output(room.size), done=0)
+            elif status == contour_brick.NO_ROOM:
+                # The brick needs more than there is.
+                room = self._new(2 * room.size)
             elif status == contour_brick.DONE:
                 room = room._replace(done=done)
             else:
@@ -154,7 +156,10 @@ class _Worker:
     def _new(self, size: int) -> _Room:
         work = _last(self._scratch) if size == _ROOM else None
         work = work or new_work(*self._field, size)
-        return _Room(work, new_output(4 * size, 16 * size, len(self._bricks)), 0, size)
+        return _Room(work, self._new_output(size), 0, size)
+
+    def _new_output(self, size: int) -> Packed:
+        return new_output(4 * size, 16 * size, len(self._bricks))
 
     def _refuse(self, status: int, brick: int) -> None:
         grid = self._grid
