@@ -181,11 +181,13 @@ class Links:
         return np.concatenate(done)
 
     def _split(self, pairs: Numbers, limits: Limits) -> Numbers:
-        """The larger node of each pair replaced by its children; by what can be divided, where only one can."""
+        """The larger node of each pair replaced by its children, a cluster before a patch."""
         tree = self._tree
         able = self._divisible(limits)
         a, b = pairs.T
-        first = able[a] & (~able[b] | (tree.radii[a] >= tree.radii[b]))
+        # Clusters are opened before patches are cut: that costs no patches.
+        rank = tree.radii + np.where(tree.sides == 0, 4 * tree.radii.max(), 0.0)
+        first = able[a] & (~able[b] | (rank[a] >= rank[b]))
         chosen, other = np.where(first, a, b), np.where(first, b, a)
         tree.cut(np.unique(chosen))
         count = tree.children[chosen]

@@ -63,9 +63,15 @@ class RadiositySolution:
         before = self._settled.bounces[max(number - 1, 0)]
         return _mesh(self._settled, self._surface, before if number else None, light)
 
-    def image(self, camera: AnyCamera, size: Size = (640, 480), *, samples: int = 16) -> Image:
-        """The picture that a camera takes of the solution: `samples` rays a pixel, rounded to a square, on a grid."""
-        return picture_of(self.mesh, self._surface, self._settled, camera, checked_size(size), samples)
+    def image(
+        self, camera: AnyCamera, size: Size = (640, 480), *, samples: int = 16, bounce: int | None = None
+    ) -> Image:
+        """The picture that a camera takes of the solution: `samples` rays a pixel, rounded to a square, on a grid.
+
+        With `bounce` as it is after so many bounces. The channel "patch" tells patches apart.
+        """
+        mesh = self.mesh if bounce is None else self.bounce(bounce)
+        return picture_of(mesh, self._surface, self._settled, camera, checked_size(size), samples)
 
     def save(self, path: StrPath) -> None:
         """Write `mesh`, as GLB or PLY (which keep colours), or any other format of meshes."""
