@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from numba import njit
 
 import isophote as iso
+from isophote.kernels.base.entry import call_entry, element_address
 from isophote.kernels.primitive.lanes import BLOCK_DOUBLES, HIGH, LANES, PART, T
 from isophote.kernels.primitive.layout import WORDS
-from isophote.kernels.primitive.lines import cross_lines, cross_lines_together
+from isophote.kernels.primitive.lines import cross_lines
 from isophote.lower.primitive_table import primitive_of
 from isophote.lower.primitives import KINDS, own_numbers
 
@@ -28,6 +30,14 @@ SHAPES = {
     "spindle": iso.torus(1, 1.4),
 }
 RNG = np.random.default_rng(12)
+
+
+@njit
+def meet_together(meet_lanes: int, own: np.ndarray, blocks: np.ndarray) -> None:
+    """Sixteen rays at a time: each row is a block as lanes.py has it, with WORDS doubles behind it."""
+    for i in range(len(blocks)):
+        block = element_address(blocks, i * blocks.shape[1])
+        call_entry(meet_lanes, (element_address(own, 0), block, np.int64(LANES)))
 
 
 def lines(count: int) -> np.ndarray:
@@ -55,7 +65,7 @@ def test_sixteen_rays_meet_what_each_meets(name: str, limit: float) -> None:
     blocks = np.zeros((count // LANES, BLOCK_DOUBLES + WORDS))
     blocks[:, : 6 * LANES] = rays.reshape(-1, LANES, 6).transpose(0, 2, 1).reshape(-1, 6 * LANES)
     blocks[:, HIGH : HIGH + LANES] = limit
-    cross_lines_together(kind.meet_lanes.address, own, blocks)
+    meet_together(kind.meet_lanes.address, own, blocks)
     together, parts = blocks[:, T : T + LANES].reshape(-1), blocks[:, PART : PART + LANES].reshape(-1)
     met = ~np.isnan(alone[:, 0])
     assert 100 < met.sum() < count

@@ -7,11 +7,10 @@ import numpy as np
 from isophote.kernels.base.entry import call_entry, element_address
 from isophote.kernels.base.jit import kernel
 from isophote.kernels.primitive import layout
-from isophote.kernels.primitive.lanes import LANES
 
-__all__ = ["cross_lines", "cross_lines_together", "describe_places"]
+__all__ = ["cross_lines", "describe_places"]
 
-_NO, _LANES = np.int64(0), np.int64(LANES)
+_NO = np.int64(0)
 
 
 @kernel
@@ -26,16 +25,6 @@ def cross_lines(meet, own, lines, low, high, distances, parts):
         count = call_entry(meet, (element_address(own, _NO), element_address(words, _NO)))
         for k in range(count):
             distances[i, k], parts[i, k] = words[layout.FOUND + 2 * k], words[layout.FOUND + 2 * k + 1]
-
-
-@kernel
-def cross_lines_together(meet_lanes, own, blocks):
-    """The first crossings of sixteen lines at a time: each row of `blocks` (n, ·) is a block as lanes.py has it, with
-    WORDS doubles behind it."""
-    width = blocks.shape[1]
-    for i in range(len(blocks)):
-        arguments = element_address(own, _NO), element_address(blocks, i * width), _LANES
-        call_entry(meet_lanes, arguments)
 
 
 @kernel

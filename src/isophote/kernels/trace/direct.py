@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from isophote.kernels.accel.field_chain import closest_field, field_occludes, surface_of_field
+from isophote.kernels.accel.field_chain import closest_field, surface_of_field
 from isophote.kernels.accel.field_layout import FIELD
 from isophote.kernels.accel.field_layout import SURFACE as ROW_OF_FIELD
 from isophote.kernels.accel.surface import surface_at
 from isophote.kernels.base.jit import device
-from isophote.kernels.primitive.chain import closest_primitive, primitive_occludes, surface_of_primitive
+from isophote.kernels.primitive.chain import closest_primitive, surface_of_primitive
 from isophote.kernels.primitive.layout import SLOT
 from isophote.kernels.primitive.layout import SURFACE as ROW_OF_PRIMITIVE
 
-__all__ = ["closest_direct", "direct_item", "direct_occludes", "direct_part", "has_direct", "is_surface", "surface_of"]
+__all__ = ["closest_direct", "direct_item", "direct_part", "has_direct", "is_surface", "surface_of"]
 
 _FIELD, _PRIMITIVE = np.int64(FIELD), np.int64(SLOT)
 
@@ -49,14 +49,6 @@ def direct_item(scene, hit):
 def direct_part(hit):
     """Number of the part of a primitive's surface that a `Hit` lies on; 0 of fields."""
     return _PRIMITIVE - hit.slot if hit.slot > _FIELD else np.int64(0)
-
-
-@device
-def direct_occludes(scene, origin, direction, t_max, scratch):
-    """Whether any primitive or field lies at 0 < t < t_max."""
-    if primitive_occludes(scene.primitives, origin, direction, t_max, scratch):
-        return True
-    return field_occludes(scene.fields, origin, direction, t_max, scratch)
 
 
 @device
