@@ -1,7 +1,7 @@
 """Whitted's picture of 1979 again: a glass ball and a mirror over a checkered floor, by trees of rays.
 
-Run as a program, it also draws penumbras by one, four and sixty-four shadow rays, three kinds of spots, and a drink with
-ice, whose glass, liquid and ice lie within each other, with shadows that are opaque and tinted.
+Run as a program, it also draws penumbras by one, four and sixty-four shadow rays, three kinds of spots, and a drink
+with ice, whose glass, liquid and ice lie within each other, with shadows that are opaque and tinted.
 
     isophote render examples/ray_tracing.py -o whitted.png --method ray --size 640x360
     isophote render examples/ray_tracing.py -o whitted.png --method path --samples 256

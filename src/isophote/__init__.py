@@ -65,7 +65,7 @@ _HOME = {
     "Sky": "scene.light",
     "SphereLight": "scene.light",
     "SphereTrace": "rendering.sphere_trace",
-    "SpotLight": "scene.light",
+    "SpotLight": "scene.spot_light",
     "Sun": "scene.light",
     "Texture": "scene.texture",
     "ThinGlass": "scene.thin_glass",

@@ -23,9 +23,9 @@ from isophote.scene.light import (
     RectLight,
     Sky,
     SphereLight,
-    SpotLight,
     Sun,
 )
+from isophote.scene.spot_light import SpotLight
 from isophote.shapes.mesh import Mesh
 from isophote.shapes.primitive.primitive import Primitive
 

@@ -22,7 +22,8 @@ from isophote.rendering.image import Image
 from isophote.rendering.method import Array, Job, Size
 from isophote.rendering.pool import Pool, Tile, tiles_of
 from isophote.rendering.warm import warm_up
-from isophote.scene.light import AreaLight, DiskLight, Light, PointLight, RectLight, SphereLight, SpotLight, Sun
+from isophote.scene.light import AreaLight, DiskLight, Light, PointLight, RectLight, SphereLight, Sun
+from isophote.scene.spot_light import SpotLight
 
 __all__ = ["SphereTrace"]
 

@@ -12,9 +12,10 @@ import numpy.typing as npt
 from isophote.errors import SceneError
 from isophote.scene.camera import AnyCamera, Camera, OrthographicCamera
 from isophote.scene.fields import VectorLike, instance_of, optional
-from isophote.scene.light import AreaLight, Environment, Light, PointLight, Sky, SpotLight, Sun
+from isophote.scene.light import AreaLight, Environment, Light, PointLight, Sky, Sun
 from isophote.scene.material import Matte
 from isophote.scene.material_base import Material
+from isophote.scene.spot_light import SpotLight
 from isophote.scene.transform import Axis, Transform
 
 __all__ = ["Item", "Scene", "Shape", "is_shape", "placed_box"]

@@ -16,7 +16,8 @@ from isophote.io.gltf.document import Document
 from isophote.io.gltf.field import Field
 from isophote.io.gltf.material import MARK
 from isophote.scene.camera import AnyCamera, Camera, OrthographicCamera
-from isophote.scene.light import Light, PointLight, SpotLight, Sun
+from isophote.scene.light import Light, PointLight, Sun
+from isophote.scene.spot_light import SpotLight
 
 __all__ = ["PlacedNode", "read_camera", "read_light", "scene_name", "walk"]
 

@@ -19,8 +19,9 @@ from isophote.io.gltf.material import MARK
 from isophote.io.gltf.write_material import MaterialWriter
 from isophote.io.gltf.write_mesh import MeshWriter
 from isophote.scene.camera import AnyCamera, OrthographicCamera
-from isophote.scene.light import Light, PointLight, SpotLight, Sun
+from isophote.scene.light import Light, PointLight, Sun
 from isophote.scene.scene import Item, Scene
+from isophote.scene.spot_light import SpotLight
 from isophote.scene.transform import look_frame
 from isophote.shapes.mesh import Mesh
 
