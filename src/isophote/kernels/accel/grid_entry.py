@@ -28,7 +28,7 @@ from isophote.kernels.accel.grid_walk import Walk, Way, course_of, enter, place_
 from isophote.kernels.accel.layout import BLOCK, LANES, NUMBER
 from isophote.kernels.base.entry import element_address, entry, floats_at, opener_at
 from isophote.kernels.base.jit import device
-from isophote.kernels.base.simd import load_float, load_int, store_float, store_int
+from isophote.kernels.base.simd import load_float, load_int, splat4, store4, store_float, store_int
 from isophote.kernels.forms.triangle import shear
 
 __all__ = ["any_in_grid", "closest_in_grid"]
@@ -49,9 +49,12 @@ _MOST_BLOCK_WORDS = np.int64(1) << np.int64(40)
 
 
 @device
-def _clear_mailbox(words):
+def _forget(words):
+    """Empty the mailbox and the gathered block."""
     for k in range(_BOXES):
         store_int(words, _MAILBOX + k, _NOTHING)
+    for k in range(9):
+        store4(words, _GATHERED + k * LANES, splat4(_MISSING))
 
 
 @device
@@ -175,10 +178,10 @@ def _gather(triangles, slot, words, lane):
 
 @device
 def _test_gathered(words, sheared, nearest, count):
-    """`nearest`, or what is nearer among the first `count` triangles of the block in the ray's words."""
-    for lane in range(count, LANES):
-        for k in range(9):
-            store_float(words, _GATHERED + lane + k * LANES, _MISSING)
+    """`nearest`, or what is nearer among the first `count` triangles of the block in the ray's words.
+
+    Other lanes hold triangles that the ray was tested against before, which are not nearer, or none.
+    """
     gathered = closest_in_blocks(
         floats_at(element_address(words, _GATHERED), np.int64(BLOCK)), _ROOT, count, sheared, nearest, words
     )
@@ -237,7 +240,7 @@ def _trace(grid, triangles, words, any_will_do):
     cells, frames, shapes = grid.cells, grid.frames, grid.shapes
     test = _Test(nearest_of(words), np.int64(0))
     visited, deepest = np.int64(0), np.int64(0)
-    _clear_mailbox(words)
+    _forget(words)
     state = _enter(frames, shapes, _ROOT, np.int64(0), course, np.float64(test.nearest.t), words)
     walk, way, cell = state.walk, state.way, state.cell
     visited += cell >= 0
