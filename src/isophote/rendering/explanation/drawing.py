@@ -48,7 +48,7 @@ def drawn(scene: Scene, rays: Sequence[LoggedRay], size: Size, threads: int | No
     lines = list(_lines(scene, rays))
     camera = _camera(scene, lines, size)
     view = render(scene.with_(camera=camera), RayTrace(samples=4, depth=4), size=size, progress=False, threads=threads)
-    depth = np.kron(view.channels["depth"].astype(np.float64), np.ones((_FINER, _FINER)))
+    depth = np.repeat(np.repeat(view.channels["depth"].astype(np.float64), _FINER, axis=0), _FINER, axis=1)
     # Paler, so that lines stand out.
     colour = np.clip(view.channels["colour"], 0, 1) * 0.6
     picture = Pillow.fromarray(np.rint(linear_to_srgb(colour) * 255).astype(np.uint8))

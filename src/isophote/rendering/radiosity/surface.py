@@ -110,32 +110,36 @@ class _Corners:
         places = tree.corners[leaves][corner]
         self._tolerance = _SAME * size
         self._axes = [_distinct(places[:, axis], self._tolerance) for axis in range(3)]
-        keys = self._keys(places, groups[self._owner])
-        self._known, first, vertex = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+        number = groups[self._owner]
+        self._codes: list[Numbers] = []
+        for axis, values in enumerate(self._axes):
+            # Groups of corners, split by one coordinate after another.
+            codes = number * len(values) + self._near(places, axis)
+            known, first, number = np.unique(codes, return_index=True, return_inverse=True)
+            self._codes.append(known)
         self.positions = places[first]
-        self._vertex = vertex.reshape(-1)
-        self._codes = self._known.view([("", np.int64)] * 4).reshape(-1)
+        self._vertex = number
 
     @property
     def count(self) -> int:
         """Distinct corners."""
         return len(self.positions)
 
-    def _keys(self, places: Points, groups: Numbers) -> Numbers:
-        """(n, 4): group and the numbers of the coordinates; −1 for coordinates that no corner has."""
-        columns = [groups]
-        for axis, values in enumerate(self._axes):
-            at = np.searchsorted(values, places[:, axis] - self._tolerance)
-            near = np.minimum(at, len(values) - 1)
-            found = np.abs(values[near] - places[:, axis]) <= self._tolerance
-            columns.append(np.where(found, near, -1))
-        return np.ascontiguousarray(np.column_stack(columns).astype(np.int64))
+    def _near(self, places: Points, axis: int) -> Numbers:
+        """Numbers of coordinates among those of the corners, or −1."""
+        values = self._axes[axis]
+        at = np.minimum(np.searchsorted(values, places[:, axis] - self._tolerance), len(values) - 1)
+        return np.where(np.abs(values[at] - places[:, axis]) <= self._tolerance, at, -1)
 
     def _find(self, places: Points, groups: Numbers) -> Numbers:
         """Numbers of the corners at places, or −1."""
-        keys = self._keys(places, groups).view([("", np.int64)] * 4).reshape(-1)
-        at = np.minimum(np.searchsorted(self._codes, keys), self.count - 1)
-        return np.where(self._codes[at] == keys, at, -1)
+        number, there = groups, np.ones(len(groups), bool)
+        for axis, known in enumerate(self._codes):
+            near = self._near(places, axis)
+            code = number * len(self._axes[axis]) + near
+            number = np.minimum(np.searchsorted(known, code), len(known) - 1)
+            there &= (near >= 0) & (known[number] == code)
+        return np.where(there, number, -1)
 
     def with_middles(self) -> tuple[Numbers, Numbers]:
         """(corners around every leaf, one leaf after another; the leaf of each): its own corners, and those of smaller
@@ -151,7 +155,8 @@ class _Corners:
         while len(edges):
             middles = self.positions[edges].mean(axis=1)
             new = self._find(middles, self._groups[edge_owner])
-            there = new >= 0
+            # The middle of an edge that is next to nothing is one of its ends.
+            there = (new >= 0) & (new != edges[:, 0]) & (new != edges[:, 1])
             new, edges, edge_owner, edge_at = new[there], edges[there], edge_owner[there], edge_at[there]
             found.append((new, edge_owner, edge_at + half))
             edges = np.concatenate([np.stack([edges[:, 0], new], axis=1), np.stack([new, edges[:, 1]], axis=1)])
