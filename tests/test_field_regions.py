@@ -137,3 +137,23 @@ def test_crossings_are_where_the_field_is_zero(name: str) -> None:
     values = np.abs(numpy_values(field.form, at))
     assert np.quantile(values, 0.95) < 3e-7
     assert values.max() < 1e-6
+
+
+@pytest.mark.parametrize("gap", [3e-7, 1e-6, 1e-4])
+def test_rays_that_only_come_near_go_by(gap: float) -> None:
+    """Rays past a ball, nearer than what a hit may be off, but farther than what single precision can tell: they meet
+    the wall behind, and those that come as much too near meet the ball."""
+    ball = iso.sphere(0.05).translate((0.1, 0, 0))
+    field = iso.union(ball, iso.sphere(0.04).translate((0.1, 0.5, 0)), blend=0.05) | iso.box((2, 2, 0.1)).translate(
+        (0, 0, -1)
+    )
+    angle = np.linspace(0, 2 * np.pi, 512, endpoint=False)
+    for side in (1, -1):
+        distance = 0.05 + side * gap
+        origins = np.stack([0.1 + distance * np.cos(angle), distance * np.sin(angle), np.full(512, 0.8)], axis=1)
+        hits = iso.Tracer(field).closest(origins, (0, 0, -1))
+        # Single precision moves origins themselves.
+        apart = np.linalg.norm(origins.astype(np.float32).astype(float)[:, :2] - [0.1, 0], axis=1) - 0.05
+        sure = apart * side > gap / 2
+        assert sure.mean() > 0.9
+        assert (np.abs(hits.distance[sure] - (1.75 if side > 0 else 0.8)) < 0.05).all()

@@ -83,7 +83,8 @@ _NO_GAP, _GAP, _GAPS = np.int64(0), np.int64(1), np.int64((1 << 63) - 1)
 # Beyond the deepest look intervals are asked.
 _UNCLEAR, _CROSSED, _FAILED, _LEVEL = (np.int64(layout.LOOK + n) for n in (0, 2, 4, 16))
 _DEEPEST = _LEVEL * (layout.LOOKS - 1)
-# Neighbouring gaps that are not clear are looked at together, up to so many.
+# Neighbouring gaps that are not clear are looked at together, up to so many in the first look and half as many in each
+# closer one, so that the deepest tells apart what positions can.
 _TOGETHER = np.int64(16)
 # Closer looks that a look may need before intervals are asked about the rest.
 _PATIENCE = np.int32(4)
@@ -267,11 +268,11 @@ def _nearness(places, base, k, end, lipschitz, far):
 
 
 @device
-def _together(unclear, crossed, k):
+def _together(unclear, crossed, k, most):
     """The point at which gaps end that are to be looked at with gap `k`: a crossing is looked at by itself."""
     if (crossed >> k) & _GAP:
         return k + 1
-    return k + min(lowest_bit(~((unclear & ~crossed) >> k)), _TOGETHER)
+    return k + min(lowest_bit(~((unclear & ~crossed) >> k)), most)
 
 
 @device
@@ -343,7 +344,8 @@ def first_crossing(fields, data, tape, line, start, end, sign, leaves, any_hit, 
             place, known = _root(places, base, k, line)
             if known or any_hit or base == _DEEPEST:
                 return sign, True, place
-        last = _together(unclear, crossed, k)
+        most = max(_TOGETHER >> (base // _LEVEL), _GAP)
+        last = _together(unclear, crossed, k, most)
         failed = load_int(places, base + _FAILED) + np.int32(1)
         store_int(places, base + _FAILED, failed)
         if failed > _PATIENCE or last - k == _TOGETHER:
