@@ -173,3 +173,9 @@ def test_ray_trace() -> None:
     output = output_of("ray_trace.py", *arguments)
     assert float(cells(output, "glass and mirror, depth 8")[1]) > 0
     assert len(cells(output, "64")) == 5
+
+
+def test_accelerators_are_compared_with_the_tree() -> None:
+    output = output_of("accelerators.py", *TINY_RAYS, "--scenes", "houses", "--accelerators", "grid", "kdtree")
+    for name in ("grid", "kdtree"):
+        assert re.search(rf"^\| houses \| {name} \|", output, re.MULTILINE), output
