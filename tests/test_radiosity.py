@@ -133,6 +133,15 @@ def test_the_mesh_has_no_cracks_within_a_plane() -> None:
     assert (on_walls | on_lamp).all()
 
 
+def test_corners_that_rounding_moved_are_one() -> None:
+    moved = iso.Item(iso.to_mesh(iso.box(0.6), cell=0.15), iso.Matte((0.6, 0.6, 0.6))).rotate("y", 0.3)
+    scene = iso.Scene([*room(), moved.translate((0.2, 0.3, 0))], lights=[lamp()])
+    found = iso.radiosity(scene, iso.Radiosity(patch=0.1, error=0.1), progress=False)
+    triangles = found.mesh.vertices[np.asarray(found.mesh.faces)]
+    areas = np.linalg.norm(np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]), axis=1) / 2
+    assert areas.sum() == pytest.approx(found.areas.sum(), rel=1e-4)
+
+
 def test_colours_are_saved_and_read_again(tmp_path: Path) -> None:
     found = iso.radiosity(iso.Scene(room(), lights=[lamp()]), iso.Radiosity(patch=0.3), progress=False)
     found.save(tmp_path / "room.ply")

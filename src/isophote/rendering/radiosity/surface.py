@@ -112,7 +112,7 @@ class _Corners:
         self._axes = [_distinct(places[:, axis], self._tolerance) for axis in range(3)]
         number = groups[self._owner]
         self._codes: list[Numbers] = []
-        for axis, values in enumerate(self._axes):
+        for axis, (values, _) in enumerate(self._axes):
             # Groups of corners, split by one coordinate after another.
             codes = number * len(values) + self._near(places, axis)
             known, first, number = np.unique(codes, return_index=True, return_inverse=True)
@@ -127,16 +127,17 @@ class _Corners:
 
     def _near(self, places: Points, axis: int) -> Numbers:
         """Numbers of coordinates among those of the corners, or −1."""
-        values = self._axes[axis]
-        at = np.minimum(np.searchsorted(values, places[:, axis] - self._tolerance), len(values) - 1)
-        return np.where(np.abs(values[at] - places[:, axis]) <= self._tolerance, at, -1)
+        starts, ends = self._axes[axis]
+        at = np.maximum(np.searchsorted(starts, places[:, axis] + self._tolerance, side="right") - 1, 0)
+        near = np.abs(np.clip(places[:, axis], starts[at], ends[at]) - places[:, axis]) <= self._tolerance
+        return np.where(near, at, -1)
 
     def _find(self, places: Points, groups: Numbers) -> Numbers:
         """Numbers of the corners at places, or −1."""
         number, there = groups, np.ones(len(groups), bool)
         for axis, known in enumerate(self._codes):
             near = self._near(places, axis)
-            code = number * len(self._axes[axis]) + near
+            code = number * len(self._axes[axis][0]) + near
             number = np.minimum(np.searchsorted(known, code), len(known) - 1)
             there &= (near >= 0) & (known[number] == code)
         return np.where(there, number, -1)
@@ -167,8 +168,8 @@ class _Corners:
         return vertices[order], owners[order]
 
 
-def _distinct(values: Points, tolerance: float) -> Points:
-    """Sorted values, those nearer to each other than the tolerance only once."""
+def _distinct(values: Points, tolerance: float) -> tuple[Points, Points]:
+    """First and last of every run of values that are nearer to the next than the tolerance."""
     ordered = np.sort(values)
-    kept: Points = ordered[np.append(True, np.diff(ordered) > tolerance)]
-    return kept
+    gaps = np.diff(ordered) > tolerance
+    return ordered[np.append(True, gaps)], ordered[np.append(gaps, True)]
