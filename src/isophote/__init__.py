@@ -117,6 +117,7 @@ _HOME = {
     "save": "io.save",
     "screen_occlusion": "rendering.occlusion.screen",
     "segment": "shapes.field.field2",
+    "show_tree": "rendering.show_tree",
     "simplify": "convert.simplify",
     "slab": "shapes.field.solids",
     "sphere": "shapes.field.solids",

@@ -8,16 +8,14 @@ from typing import TypeAlias
 import attrs
 import numpy as np
 import numpy.typing as npt
-from PIL import Image as Pillow
-from PIL import ImageDraw
 
 from isophote.rendering.image import Image
 from isophote.rendering.method import Size
+from isophote.rendering.overlay import Line, overlaid
 from isophote.rendering.ray_log import LoggedRay
 from isophote.rendering.ray_trace import RayTrace
 from isophote.rendering.render import render
 from isophote.scene.camera import AnyCamera
-from isophote.scene.colour import linear_to_srgb, srgb_to_linear
 from isophote.scene.scene import Scene
 from isophote.scene.studio import frame
 
@@ -25,9 +23,6 @@ __all__ = ["drawn"]
 
 Points: TypeAlias = npt.NDArray[np.float64]
 
-_FINER = 2
-_PIECES = 96
-_FAINT = 0.25
 _FIELD_OF_VIEW = 28.0
 _COLOURS = {
     "camera": (255, 255, 255),
@@ -39,8 +34,6 @@ _COLOURS = {
 }
 # How long rays that meet nothing are drawn, in parts of the finite scene's radius.
 _REACH = 1.2
-# How far behind a surface a place may be and still count as on it, in parts of its depth.
-_ON = 2e-3
 
 
 def drawn(scene: Scene, rays: Sequence[LoggedRay], size: Size, threads: int | None) -> Image:
@@ -48,18 +41,7 @@ def drawn(scene: Scene, rays: Sequence[LoggedRay], size: Size, threads: int | No
     lines = list(_lines(scene, rays))
     camera = _camera(scene, lines, size)
     view = render(scene.with_(camera=camera), RayTrace(samples=4, depth=4), size=size, progress=False, threads=threads)
-    depth = np.repeat(np.repeat(view.channels["depth"].astype(np.float64), _FINER, axis=0), _FINER, axis=1)
-    # Paler, so that lines stand out.
-    colour = np.clip(view.channels["colour"], 0, 1) * 0.6
-    picture = Pillow.fromarray(np.rint(linear_to_srgb(colour) * 255).astype(np.uint8))
-    picture = picture.resize((size[0] * _FINER, size[1] * _FINER), Pillow.Resampling.BICUBIC).convert("RGBA")
-    layer = Pillow.new("RGBA", picture.size, (0, 0, 0, 0))
-    pen = ImageDraw.Draw(layer)
-    for start, end, kind in lines:
-        _draw(pen, camera, picture.size, depth, start, end, _COLOURS[kind])
-    flat = Pillow.alpha_composite(picture, layer).convert("RGB").resize(size, Pillow.Resampling.LANCZOS)
-    pixels = srgb_to_linear(np.asarray(flat) / 255.0).astype(np.float32)
-    return view.with_(channels={**view.channels, "colour": pixels})
+    return overlaid(view, camera, (Line(start, end, _COLOURS[kind]) for start, end, kind in lines))
 
 
 def _lines(scene: Scene, rays: Sequence[LoggedRay]) -> Iterator[tuple[Points, Points, str]]:
@@ -102,27 +84,3 @@ def _camera(scene: Scene, lines: Sequence[tuple[Points, Points, str]], size: Siz
     bounds = np.stack([points.min(axis=0), points.max(axis=0)])
     # The ball around a box is larger than what is in it.
     return attrs.evolve(frame(bounds, toward, aspect=size[0] / size[1]), fov_degrees=_FIELD_OF_VIEW)
-
-
-def _draw(
-    pen: ImageDraw.ImageDraw,
-    camera: AnyCamera,
-    size: Size,
-    depth: Points,
-    start: Points,
-    end: Points,
-    colour: tuple[int, int, int],
-) -> None:
-    """A line in pieces: faint where surfaces are before it."""
-    along = np.linspace(0, 1, _PIECES + 1)[:, None]
-    places, depths = camera.project(start + along * (end - start), size)
-    for k in range(_PIECES):
-        ends = places[k : k + 2]
-        if not np.isfinite(ends).all() or np.abs(ends).max() > 1e5:
-            continue
-        x, y = np.floor(ends.mean(axis=0)).astype(int)
-        if not (0 <= x < size[0] and 0 <= y < size[1]):
-            continue
-        behind = depths[k : k + 2].mean() > depth[y, x] * (1 + _ON)
-        opacity = _FAINT if behind else 1.0
-        pen.line([tuple(p) for p in ends.tolist()], fill=(*colour, round(255 * opacity)), width=2 * _FINER)

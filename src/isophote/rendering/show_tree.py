@@ -1,0 +1,84 @@
+"""`show_tree`: the boxes of an accelerator, drawn around what it holds."""
+
+from __future__ import annotations
+
+import colorsys
+from collections.abc import Iterator, Sequence
+from typing import TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from isophote.accel.accelerator import build_accelerator
+from isophote.accel.cells import SHOWN, Level, levels_of
+from isophote.convert.triangulate import triangulate
+from isophote.errors import GeometryError, RenderError
+from isophote.rendering.image import Image
+from isophote.rendering.method import Size, checked_size
+from isophote.rendering.overlay import Line, overlaid
+from isophote.rendering.ray_trace import RayTrace
+from isophote.rendering.render import render
+from isophote.scene.camera import AnyCamera
+from isophote.scene.studio import studio
+from isophote.shapes.mesh import Mesh
+
+__all__ = ["show_tree"]
+
+Points: TypeAlias = npt.NDArray[np.float64]
+
+# Ends of the twelve edges of a box, as numbers of corners whose bits tell of which corner each coordinate is.
+_EDGES = [(a, a | 1 << axis) for axis in range(3) for a in range(8) if not a >> axis & 1]
+
+
+def show_tree(
+    mesh: Mesh,
+    accelerator: str = "bvh",
+    depth: int = 6,
+    *,
+    levels: Sequence[int] | None = None,
+    camera: AnyCamera | None = None,
+    size: Size = (640, 480),
+    threads: int | None = None,
+) -> Image:
+    """The mesh with the boxes of the nodes of its tree, of all levels from the root, 0, to `depth`, or of `levels`.
+
+    `accelerator` is "bvh", "kdtree" (cells between planes) or "grid" (cells that hold anything, and the grids within
+    them). Levels go from blue through green to red; what lies behind the surface is faint. Levels of more than 8,192
+    boxes are left out; the picture's metadata tells how many boxes each has. Raises `RenderError` for depths without
+    meaning, `GeometryError` for other accelerators.
+    """
+    if not isinstance(mesh, Mesh):
+        raise RenderError(f"show_tree shows the tree over a mesh's triangles, but this is a {type(mesh).__name__}")
+    if isinstance(depth, bool) or not isinstance(depth, int | np.integer) or not 0 <= depth <= 64:
+        raise RenderError(f"show_tree: depth must be a whole number from 0 to 64, not {depth!r}")
+    pixels = checked_size(size)
+    found = _levels(mesh, accelerator, int(depth), threads)
+    chosen = range(len(found)) if levels is None else [k for k in levels if 0 <= k < len(found)]
+    scene = studio(mesh, aspect=pixels[0] / pixels[1])
+    scene = scene if camera is None else scene.with_(camera=camera)
+    view = render(scene, RayTrace(samples=4), size=pixels, progress=False, threads=threads)
+    if scene.camera is None:
+        raise RenderError("show_tree: there is no camera")
+    image = overlaid(view, scene.camera, _lines(found, chosen))
+    boxes = ", ".join(f"{len(level)}" for level in found)
+    return image.with_(metadata={**view.metadata, "accelerator": accelerator, "boxes by level": boxes})
+
+
+def _levels(mesh: Mesh, accelerator: str, depth: int, threads: int | None) -> list[Level]:
+    if accelerator not in SHOWN:
+        raise GeometryError(f"show_tree knows {', '.join(SHOWN)}, not {accelerator!r}")
+    built = build_accelerator(accelerator, mesh.vertices.astype(np.float32), triangulate(mesh).triangles, threads)
+    return levels_of(accelerator, built, depth)
+
+
+def _lines(found: Sequence[Level], chosen: Sequence[int]) -> Iterator[Line]:
+    """Edges of boxes, thinner and redder from level to level; deep ones first, so that shallow ones lie over them."""
+    for number in sorted(chosen, reverse=True):
+        part = number / max(len(found) - 1, 1)
+        red, green, blue = colorsys.hls_to_rgb(0.62 * (1 - part), 0.55, 0.85)
+        colour = (round(255 * red), round(255 * green), round(255 * blue))
+        width = max(2.5 * 0.75**number, 0.5)
+        for box in found[number]:
+            corners = np.array([[box[corner >> axis & 1, axis] for axis in range(3)] for corner in range(8)])
+            for a, b in _EDGES:
+                yield Line(corners[a], corners[b], colour, width)
