@@ -78,11 +78,12 @@ class Accelerator:
 # Name → module in isophote.accel, and the Accelerator there. Each is loaded when it is first asked for.
 _HOMES = {
     "brute": ("brute", "BRUTE_FORCE"),
+    "bsp": ("bsp", "BSP_TREE"),
     "bvh": ("tree_accelerator", "BVH"),
     "grid": ("grid", "GRID_OF_GRIDS"),
     "kdtree": ("kdtree", "KDTREE"),
 }
-ACCELERATORS = ("bvh", "grid", "kdtree")
+ACCELERATORS = ("bvh", "grid", "kdtree", "bsp")
 REFERENCE = "brute"
 """Brute force, by which the others are tested."""
 
