@@ -157,3 +157,16 @@ def test_rays_that_only_come_near_go_by(gap: float) -> None:
         sure = apart * side > gap / 2
         assert sure.mean() > 0.9
         assert (np.abs(hits.distance[sure] - (1.75 if side > 0 else 0.8)) < 0.05).all()
+
+
+def test_normals_point_outward_where_a_value_changes_its_sign_by_a_switch() -> None:
+    # A cone's value is a root times a sign: next to the surface, rounding may take the wrong one.
+    shape = iso.union(iso.cone(0.6, 1.3), iso.sphere(0.1).translate((3, 0, 0)))
+    random = np.random.default_rng(1)
+    directions = random.normal(size=(20_000, 3))
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    origins = -3 * directions + random.uniform(-0.5, 0.5, (20_000, 3))
+    hits = iso.Tracer(shape).closest(origins, directions)
+    along = (hits.normal[hits.hit] * directions[hits.hit]).sum(axis=1)
+    assert hits.hit.sum() > 10_000
+    assert (along > 1e-3).sum() <= 2

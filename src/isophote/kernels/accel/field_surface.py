@@ -82,7 +82,8 @@ def _onto_surface(p, value, gradient, side):
 @device
 def _error(fields, data, tape, k, place, normal, slope, least, slots):
     """The least of eight distances off the surface, from `least` on, at which the field's signs are clear on both
-    sides; where one side has none, as in a thin wall, on the side that the normal points to."""
+    sides; where one side has none, as in a thin wall, on the side that the normal points to. Negative where the signs
+    are clear the other way round: of a value next to 0 rounding may tell the slope of the wrong side."""
     e = least
     m = fields.to_object
     for i in range(_TRIES):
@@ -103,6 +104,10 @@ def _error(fields, data, tape, k, place, normal, slope, least, slots):
     outside = bits(values >= wanted) & _TRY_MASK
     inside = (bits(values <= wanted) >> np.int32(_TRIES)) & _TRY_MASK
     clear = outside & inside
+    both, none = values + wanted, wanted - wanted
+    against = bits(both <= none) & (bits(both >= none) >> np.int32(_TRIES)) & _TRY_MASK
+    if clear == 0 and against != 0:
+        return -least * np.float32(1 << lowest_bit(against))
     if clear == 0:
         clear = outside if outside != 0 else np.int32(1) << np.int32(_TRIES - 1)
     return least * np.float32(1 << lowest_bit(clear))
@@ -150,6 +155,8 @@ def field_surface(fields_address, scratch_address):
     slope = np.float32(gradient.x * x + gradient.y * y + gradient.z * z)
     least = (_reach(place) + _reach(p) * fields.cubes[k, layout.STRETCH]) * _LEAST_ERROR
     error = _error(fields, data, tape, k, place, normal, slope, least, slots)
+    if error < _ZERO:
+        normal, error = -normal, -error
     for at, v in ((0, place), (3, normal)):
         words[at], words[at + 1], words[at + 2] = v.x, v.y, v.z
     words[6] = error
