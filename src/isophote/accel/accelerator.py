@@ -77,13 +77,14 @@ class Accelerator:
 
 # Name → module in isophote.accel, and the Accelerator there. Each is loaded when it is first asked for.
 _HOMES = {
+    "bih": ("bih", "LAZY_BIH"),
     "brute": ("brute", "BRUTE_FORCE"),
     "bsp": ("bsp", "BSP_TREE"),
     "bvh": ("tree_accelerator", "BVH"),
     "grid": ("grid", "GRID_OF_GRIDS"),
     "kdtree": ("kdtree", "KDTREE"),
 }
-ACCELERATORS = ("bvh", "grid", "kdtree", "bsp")
+ACCELERATORS = ("bvh", "grid", "kdtree", "bih", "bsp")
 REFERENCE = "brute"
 """Brute force, by which the others are tested."""
 
