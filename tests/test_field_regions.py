@@ -161,7 +161,7 @@ def test_rays_that_only_come_near_go_by(gap: float) -> None:
 
 def test_normals_point_outward_where_a_value_changes_its_sign_by_a_switch() -> None:
     # A cone's value is a root times a sign: next to the surface, rounding may take the wrong one.
-    shape = iso.union(iso.cone(0.6, 1.3), iso.sphere(0.1).translate((3, 0, 0)))
+    shape = iso.union(iso.cone(0.6, 1.3), iso.sphere(0.1).translate((9, 0, 0)))
     random = np.random.default_rng(1)
     directions = random.normal(size=(20_000, 3))
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
@@ -169,4 +169,4 @@ def test_normals_point_outward_where_a_value_changes_its_sign_by_a_switch() -> N
     hits = iso.Tracer(shape).closest(origins, directions)
     along = (hits.normal[hits.hit] * directions[hits.hit]).sum(axis=1)
     assert hits.hit.sum() > 10_000
-    assert (along > 1e-3).sum() <= 2
+    assert (along < 1e-3).all()
