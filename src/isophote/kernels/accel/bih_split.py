@@ -40,7 +40,7 @@ _INFINITY, _MISSING = np.float32(np.inf), np.float32(np.nan)
 _WAITING, _BUSY, _LEAF = np.int32(WAITING), np.int32(BUSY), np.int64(LEAF)
 _LANES, _LAST_CELL = np.int64(LANES), np.float64(CELLS - 1)
 _MOST_BLOCK_WORDS = np.int64(1) << np.int64(40)
-_NO_AXIS = np.int64(-1)
+_NO_AXIS, _ONE = np.int64(-1), np.int64(1)
 # Triangles beside a cut among which those are sought that go to its other side.
 _WINDOW = np.int64(4096)
 
@@ -60,7 +60,9 @@ def _cell(place, origin, scale):
 @device
 def _choose(tree, row):
     """(axis, cell): the range's longest axis on which its centres lie in several cells, and the first cell beyond the
-    coarsest plane of the grid between them. The axis is −1 where there is none."""
+    plane near the middle between them; the axis is −1 where there is none.
+
+    Planes are those of grids over everything whose cells are 2ᵏ wide: of the one with at least four to the range."""
     ranges, scale = tree.ranges, tree.grid[0, 3]
     best, longest, plane = _NO_AXIS, np.float64(-1), np.int64(0)
     for axis in range(3):
@@ -68,8 +70,9 @@ def _choose(tree, row):
         extent = np.float64(high) - np.float64(low)
         first, last = _cell(low, tree.grid[0, axis], scale), _cell(high, tree.grid[0, axis], scale)
         if first < last and extent > longest:
-            bit = highest_bit(first ^ last)
-            best, longest, plane = np.int64(axis), extent, (last >> bit) << bit
+            bit = highest_bit(max((last - first) >> 2, _ONE))
+            middle = (first + last + 1 + (_ONE << bit)) >> 1
+            best, longest, plane = np.int64(axis), extent, (middle >> bit) << bit
     return best, plane
 
 
