@@ -86,7 +86,8 @@ def render(
         bool, typer.Option("--denoise", help="Take the noise out, by Open Image Denoise where it is installed.")
     ] = False,
     accelerator: Annotated[
-        str | None, typer.Option(metavar="NAME", help="What finds what rays meet: bvh, grid, kdtree.  [default: bvh]")
+        str | None,
+        typer.Option(metavar="NAME", help="What finds what rays meet: bvh, grid, kdtree, bih, bsp.  [default: bvh]"),
     ] = None,
     size: Annotated[str, typer.Option(metavar="WxH", help="Width and height in pixels.")] = "640x480",
     seed: Annotated[int, typer.Option(metavar="N", help="The same seed gives the same picture.")] = 0,
