@@ -10,7 +10,7 @@ import numpy as np
 
 from isophote.kernels.accel.bsp_cell import CELL, CELL_WORK, cut_cell, start_cell
 from isophote.kernels.accel.bsp_layout import LEAF, PLANE, SHIFT, SLANTED, TOLERANCE
-from isophote.kernels.accel.bsp_planes import MOST_DIRECTIONS, MOST_PICKED, PROFILE, best_plane
+from isophote.kernels.accel.bsp_planes import MOST_DIRECTIONS, MOST_PICKED, PROFILE, best_plane, no_plane
 from isophote.kernels.accel.bsp_polygon import MOST_CORNERS, cut_polygon, extent_along
 from isophote.kernels.accel.kd_sweep import leaf_cost
 from isophote.kernels.base.jit import device, kernel
@@ -167,11 +167,14 @@ def grow(
         # Two sides have at most twice the words, and three more for each part that is cut, to either side.
         fits = first + 2 * words + 6 * count <= arena.size and 2 * (used[0] + 2) <= nodes.size
         split, upper, lower, middle, end = False, np.int64(0), np.int64(0), np.int64(0), np.int64(0)
-        choice = best_plane(positions, triangles, arena, first, count, cells, top * CELL, reach, scratch)
-        if level < deepest and fits and choice.cost < leaf_cost(count):
+        choice = no_plane()
+        if level < deepest and fits and count > 0:
+            choice = best_plane(positions, triangles, arena, first, count, cells, top * CELL, reach, scratch)
+        if choice.cost < leaf_cost(count):
             # The upper side first: the lower one's parts come to lie above, and it is next.
-            upper, middle = _parts_of_side(arena, first, count, choice, _UPPER_SIDE, tolerance, beside, np.int64(0))
-            lower, end = _parts_of_side(arena, first, count, choice, _LOWER_SIDE, tolerance, beside, middle)
+            for side in (_UPPER_SIDE, _LOWER_SIDE):
+                upper, middle = lower, end
+                lower, end = _parts_of_side(arena, first, count, choice, side, tolerance, beside, middle)
             split = lower + upper <= budget
         if not split:
             used[1] = _write_leaf(nodes, leaves, used[1], node, arena, first, count)
@@ -180,8 +183,8 @@ def grow(
             arena[first + k] = beside[k]
         for k in range(CELL):
             cell[k] = cells[top * CELL + k]
-        cut_cell(cell, 0, choice.plane, -1.0, cells, top * CELL, work)
-        cut_cell(cell, 0, choice.plane, 1.0, cells, (top + 1) * CELL, work)
+        for half in range(2):
+            cut_cell(cell, 0, choice.plane, 1.0 if half == 1 else -1.0, cells, (top + half) * CELL, work)
         child = used[0]
         _write_inner(nodes, planes, used, node, choice.plane)
         _push(tasks, top, child + 1, first, middle, upper, level + 1, _share(budget, upper, lower))

@@ -20,9 +20,10 @@ _MOST_FACES = 18
 _NORMAL, _AREA, _CORNERS = 1, 4, 5
 _FACE = _CORNERS + 3 * (MOST_CORNERS + 2)
 CELL = 1 + _MOST_FACES * _FACE
-# Float64 words of work: a polygon, and the cut's corners with their angles.
+# Float64 words of work: a polygon, the cut's corners with their angles, and heights of faces.
 _CUT = 3 * (MOST_CORNERS + 2)
-CELL_WORK = _CUT + 4 * (MOST_CORNERS + 2)
+_EXTENTS = _CUT + 4 * (MOST_CORNERS + 2)
+CELL_WORK = _EXTENTS + 2 * _MOST_FACES
 # Corners nearer to each other than this share of their size are one.
 _SAME = 1e-9
 
@@ -57,12 +58,13 @@ def cell_area(cells, at):
 
 
 @device
-def cell_extent(cells, at, plane):
-    """The least and the greatest height of a cell above a plane."""
+def cell_extent(cells, at, plane, work):
+    """The least and the greatest height of a cell above a plane; those of each of its faces go to `work`."""
     low, high = np.inf, -np.inf
     for face in range(np.int64(cells[at])):
         first = at + 1 + _FACE * face
         below, above = extent_along(plane, cells, first + _CORNERS, np.int64(cells[first]))
+        work[_EXTENTS + 2 * face], work[_EXTENTS + 2 * face + 1] = below, above
         low, high = min(low, below), max(high, above)
     return low, high
 
@@ -84,17 +86,17 @@ def _polygon_area(words, at, corners, normal, normal_at):
 def areas_of_cut(cells, at, plane, work):
     """The surfaces of the parts of a cell below and above a plane, the cut counted for both.
 
-    Faces of a closed surface, as vectors, add up to nothing: those below the plane give the cut's own area.
+    `work` is as `cell_extent` left it for the same direction and place 0. Faces of a closed surface, as vectors, add up
+    to nothing: those below the plane give the cut's own area.
     """
     below, above, facing = 0.0, 0.0, 0.0
     for face in range(np.int64(cells[at])):
         first = at + 1 + _FACE * face
         corners, whole = np.int64(cells[first]), cells[first + _AREA]
-        low, high = extent_along(plane, cells, first + _CORNERS, corners)
         part = 0.0
-        if high <= 0:
+        if work[_EXTENTS + 2 * face + 1] <= plane.place:
             part = whole
-        elif low < 0:
+        elif work[_EXTENTS + 2 * face] < plane.place:
             kept = cut_polygon(plane, 1.0, cells, first + _CORNERS, corners, work, 0)
             part = min(_polygon_area(work, 0, kept, cells, first + _NORMAL), whole)
         below += part
@@ -159,7 +161,7 @@ def _add_cut(cells, to, faces, plane, side, work, found):
 @device
 def cut_cell(source, at, plane, side, cells, to, work):
     """Write the part of a cell that has side · height ≤ 0 to word `to` of `cells`."""
-    low, high = cell_extent(source, at, plane)
+    low, high = cell_extent(source, at, plane, work)
     least = _SAME * (high - low)
     faces, found = np.int64(0), np.int64(0)
     for face in range(np.int64(source[at])):

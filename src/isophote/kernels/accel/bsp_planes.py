@@ -22,20 +22,21 @@ from isophote.kernels.accel.kd_layout import END, PLANAR, START, event, event_ki
 from isophote.kernels.accel.kd_sweep import leaf_cost
 from isophote.kernels.base.jit import device
 
-__all__ = ["MOST_DIRECTIONS", "MOST_PICKED", "PROFILE", "Choice", "best_plane"]
+__all__ = ["MOST_DIRECTIONS", "MOST_PICKED", "PROFILE", "Choice", "best_plane", "no_plane"]
 
 # Parts that a sweep goes over, at most, spread evenly over a node that has more; triangles whose faces and edges give
 # directions, and directions at most, three of which are the axes.
 MOST_PICKED = 512
-_GIVING, MOST_DIRECTIONS = 8, 9
+_GIVING, MOST_DIRECTIONS = 8, 7
 # Planes for each direction at which surfaces are found.
-_STEPS = 6
+_STEPS = 4
 PROFILE = 2 * _STEPS
 # Directions are the same where the cosine between them is as near to 1 as this.
 _ALIKE = 1 - 1e-7
-# What a step costs at a slanted plane where it costs 1 at others; planes that cut off empty space are cheaper than they
+# What a step costs at planes along axes and at slanted ones, in the measure of leaf_cost; by measurement of rays, which
+# fare better with fewer planes than cost in a kd-tree would give. Planes that cut off empty space are cheaper than they
 # look, since rays that miss leave early.
-_SLANTED_COST, _EMPTY_SHARE = 1.2, 0.85
+_STEP_COST, _SLANTED_COST, _EMPTY_SHARE = 1.8, 2.0, 0.85
 # Planes are within the cell by at least this share of its extent.
 _INSET = 1e-6
 # Sorted by insertion up to this length.
@@ -182,7 +183,7 @@ def _between(profile, first, place):
 @device
 def _sweep(events, made, count, scale, plane, low, high, profile, whole, best):
     """The better of `best` and the best plane of one direction between `low` and `high`; each part counts `scale`."""
-    step = 1.0 if plane.kind < SLANTED else _SLANTED_COST
+    step = _STEP_COST if plane.kind < SLANTED else _SLANTED_COST
     inset = _INSET * (high - low)
     lower, upper = np.int64(0), count
     i = np.int64(0)
@@ -200,7 +201,7 @@ def _sweep(events, made, count, scale, plane, low, high, profile, whole, best):
         if p > low + inset and p < high - inset:
             at = (p - low) / (high - low) * _STEPS
             area_low, area_high = _between(profile, 0, at), _between(profile, _STEPS, at)
-            for planar_low in range(2):
+            for planar_low in range(2 if planars > 0 else 1):
                 below = lower + (planars if planar_low == 1 else 0)
                 above = upper + (planars if planar_low == 0 else 0)
                 cost = step + (area_low * leaf_cost(below * scale) + area_high * leaf_cost(above * scale)) / whole
@@ -212,12 +213,18 @@ def _sweep(events, made, count, scale, plane, low, high, profile, whole, best):
 
 
 @device
+def no_plane():
+    """The choice of no plane at all."""
+    return Choice(Plane(0.0, 0.0, 0.0, 0.0, np.int64(0)), np.inf, True)
+
+
+@device
 def best_plane(positions, triangles, arena, first, count, cells, cell, reach, scratch):
     """The `Choice` of least cost for the `count` parts from word `first` of `arena` on, in the cell at word `cell`.
     `scratch`: picked (MOST_PICKED) int64, directions (MOST_DIRECTIONS, 3), events (2 MOST_PICKED) uint64, a profile of
     PROFILE, work of CELL_WORK, and one float32."""
     picked, directions, events, profile, work, word = scratch
-    best = Choice(Plane(0.0, 0.0, 0.0, 0.0, np.int64(0)), np.inf, True)
+    best = no_plane()
     whole = cell_area(cells, cell)
     if not whole > 0.0:
         return best
@@ -228,7 +235,7 @@ def best_plane(positions, triangles, arena, first, count, cells, cell, reach, sc
         x, y, z = directions[number, 0], directions[number, 1], directions[number, 2]
         kind = np.int64(number if number < 3 else SLANTED)
         plane = Plane(x, y, z, 0.0, kind)
-        low, high = cell_extent(cells, cell, plane)
+        low, high = cell_extent(cells, cell, plane, work)
         if not high - low > 4 * tolerance:
             continue
         for k in range(_STEPS):
