@@ -88,6 +88,7 @@ _HOME = {
     "explain": "rendering.explanation.explain",
     "field": "shapes.field.function_form",
     "field2": "shapes.field.function_form",
+    "form_factor": "rendering.radiosity.contours",
     "frame": "shapes.field.solids",
     "fresnel": "scene.optics",
     "image": "shapes.field.field2",
