@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 from numba import njit, types
 
+from isophote import kernels
 from isophote.kernels.base import table
 from isophote.kernels.base.table import Table
 
@@ -179,3 +183,12 @@ def test_missing_and_unknown_fields_are_refused():
         INNER.pack(values=np.zeros(1, np.float32))
     with pytest.raises(TypeError, match="fields"):
         INNER.pack(values=np.zeros(1, np.float32), count=1, more=2)
+
+
+def test_no_two_tables_have_one_name() -> None:
+    # Numba tells types by their names: two tables of one name would share the fields of the first.
+    folder = Path(kernels.__file__ or "").parent
+    text = "".join(path.read_text() for path in sorted(folder.rglob("*.py")))
+    names = re.findall(r"\bTable\(\s*\"(\w+)\"", text)
+    assert len(names) > 20
+    assert sorted(names) == sorted(set(names))

@@ -9,7 +9,6 @@ from numba import njit
 from isophote.kernels.base.vec import normalise, store_vec3, vec3
 from isophote.kernels.base.warp import to_cone, to_disk, to_triangle
 from isophote.kernels.light.bsdf import fresnel_dielectric, scatter_glass, scatter_matte
-from isophote.kernels.light.film import BOX, GAUSSIAN, TENT, filter_offset
 from statistics_of_samples import deviation
 
 COUNT = 200_000
@@ -43,12 +42,6 @@ def matte(square, normal, out, densities):
         into, density = scatter_matte(n, x, y)
         store_vec3(out, 3 * i, into)
         densities[i] = density
-
-
-@njit(error_model="numpy")
-def offsets(kind, square, out):
-    for i in range(len(square)):
-        out[i, 0], out[i, 1] = filter_offset(kind, square[i, 0], square[i, 1])
 
 
 @njit(error_model="numpy")
@@ -137,28 +130,6 @@ def test_matte_scatters_by_the_cosine_on_the_side_of_its_normal(normal):
     # Equal steps of sin² are equal shares of the cosine.
     cells = polar_cells(local, np.minimum((local[:, :2] ** 2).sum(axis=1), 1), 16, 24)
     assert deviation(cells, even(cells)) < 3.72
-
-
-@pytest.mark.parametrize(
-    ("kind", "reach", "density"),
-    [
-        (BOX, 0.5, lambda x: np.where(np.abs(x) <= 0.5, 1.0, 0.0)),
-        (TENT, 1.0, lambda x: np.maximum(1 - np.abs(x), 0)),
-        (GAUSSIAN, 2.0, lambda x: np.exp(-2 * x * x) * np.sqrt(2 / np.pi)),
-    ],
-)
-def test_filters_are_sampled_by_their_value(kind, reach, density):
-    found = np.zeros((COUNT, 2), np.float32)
-    offsets(kind, SQUARE, found)
-    assert np.isfinite(found).all()
-    edges = np.linspace(-reach, reach, 21)
-    fine = np.linspace(-reach, reach, 2001)
-    heights = density((fine[1:] + fine[:-1]) / 2).reshape(20, 100).mean(axis=1) * (2 * reach / 20)
-    cells = np.histogram2d(*(found.T - 0.5), bins=(edges, edges))[0]
-    expected = COUNT * np.outer(heights, heights)
-    # What lies beyond the range, together.
-    outside = COUNT - cells.sum(), max(COUNT - expected.sum(), 0.0)
-    assert deviation(np.append(cells, outside[0]), np.append(expected, outside[1])) < 3.72
 
 
 # --- glass ----------------------------------------------------------------------------------------

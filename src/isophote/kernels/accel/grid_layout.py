@@ -21,7 +21,7 @@ from isophote.kernels.base.table import DOUBLE_BOXES, INTS, LONG_ROWS, Table
 
 __all__ = ["FRAME", "GRID", "MOST_LEVELS", "NEAR_ORIGINS", "ROUNDING"]
 
-GRID = Table("Grid", frames=DOUBLE_BOXES, shapes=LONG_ROWS, cells=INTS, lists=INTS, slots=INTS)
+GRID = Table("GridOfGrids", frames=DOUBLE_BOXES, shapes=LONG_ROWS, cells=INTS, lists=INTS, slots=INTS)
 
 # Columns of a frame.
 FRAME = 9
