@@ -188,7 +188,8 @@ def test_missing_and_unknown_fields_are_refused():
 def test_no_two_tables_have_one_name() -> None:
     # Numba tells types by their names: two tables of one name would share the fields of the first.
     folder = Path(kernels.__file__ or "").parent
-    text = "".join(path.read_text() for path in sorted(folder.rglob("*.py")))
+    files = [path for path in sorted(folder.rglob("*.py")) if path.name != "table.py"]
+    text = "".join(path.read_text() for path in files)
     names = re.findall(r"\bTable\(\s*\"(\w+)\"", text)
     assert len(names) > 20
     assert sorted(names) == sorted(set(names))
