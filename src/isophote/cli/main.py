@@ -8,7 +8,7 @@ import typer
 from typer.core import TyperGroup
 
 from isophote import __version__
-from isophote.cli import convert, curvature, doctor, explain, info, render, voronoi
+from isophote.cli import bake, convert, curvature, doctor, explain, info, render, voronoi
 from isophote.cli.messages import shown
 
 __all__ = ["app", "main"]
@@ -46,6 +46,7 @@ app = typer.Typer(
 )
 app.command("render", epilog=render.EXAMPLES)(render.render)
 app.command("explain", epilog=explain.EXAMPLES)(explain.explain)
+app.command("bake", epilog=bake.EXAMPLES)(bake.bake)
 app.command("info", epilog=info.EXAMPLES)(info.info)
 app.command("convert", epilog=convert.EXAMPLES)(convert.convert)
 app.command("curvature", epilog=curvature.EXAMPLES)(curvature.curvature)

@@ -26,7 +26,7 @@ from isophote.scene.scene import Item, Scene, Shape
 from isophote.shapes.field.field import Field
 from isophote.shapes.mesh import Mesh
 
-__all__ = ["Occlusion", "ambient_occlusion", "checked_reach"]
+__all__ = ["ROUNDING", "Occlusion", "ambient_occlusion", "checked_reach", "lowered", "reach_of", "trace"]
 
 Points: TypeAlias = npt.NDArray[np.float64]
 
@@ -37,7 +37,7 @@ _TAPS = 5
 _WAVE = 1040
 _RAYS_A_JOB = 65_536
 # Room for the rounding of places in single precision, in parts of the largest coordinate.
-_ROUNDING = 64 * 2.0**-24
+ROUNDING = 64 * 2.0**-24
 
 
 @attrs.frozen(eq=False)
@@ -220,12 +220,12 @@ def _points_of(
     length = np.linalg.norm(n, axis=1)
     if (length == 0).any():
         raise RenderError(f"ambient_occlusion: normals[{int(np.argmin(length))}] is zero")
-    far = np.maximum(np.abs(p).max(axis=1, initial=0.0), _reach(subject))
-    lift = np.full(len(p), bias) if bias is not None else _ROUNDING * far
+    far = np.maximum(np.abs(p).max(axis=1, initial=0.0), reach_of(subject))
+    lift = np.full(len(p), bias) if bias is not None else ROUNDING * far
     return _Where(_single(p), _single(n / length[:, None]), _single(lift))
 
 
-def _reach(subject: object) -> float:
+def reach_of(subject: object) -> float:
     """Largest finite coordinate of what stands in the way."""
     items = subject.items if isinstance(subject, Scene) else (subject,)
     corners = np.concatenate([np.asarray(item.bounds, np.float64) for item in items])  # type: ignore[attr-defined]
@@ -252,7 +252,7 @@ def _vertices_of(subject: object, bias: float | None) -> _Where:
     triangles = triangulate(shape).triangles
     reach = size.copy()
     np.maximum.at(reach, triangles.reshape(-1), np.repeat(size[triangles].max(axis=1, initial=0.0), 3))
-    return _Where(_single(placed), _single(normals), _single(_ROUNDING * reach))
+    return _Where(_single(placed), _single(normals), _single(ROUNDING * reach))
 
 
 def _single(values: Points) -> npt.NDArray[np.float32]:
