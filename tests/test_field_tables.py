@@ -184,6 +184,7 @@ CORNERS = st.lists(st.tuples(st.integers(-8, 8), st.integers(-8, 8)), min_size=3
 
 # The last two edges run along each other: both must be met, or neither.
 @example([(0, 0), (1, -4), (8, -1), (-8, -5), (8, -1)], 123)
+@example([(1, -8), (0, 0), (3, -6), (8, -1)], 1679)
 @given(CORNERS, st.integers(0, 1 << 30))
 @settings(max_examples=60, deadline=None)
 def test_polygons_of_any_kind(corners: list[tuple[int, int]], seed: int) -> None:

@@ -155,9 +155,10 @@ def _winding(arcs: Floats, x: Floats, y: Floats) -> Ints:
 
 def _crosses_right(arcs: Floats, x: Floats, y: Floats) -> npt.NDArray[np.bool_]:
     """Whether an arc that is monotone in y, and reaches over the height y, has x(t) > x there."""
+    # From the lower end on, whichever way the arc runs: those that run along each other cross at the very same place.
+    arcs = np.where((arcs[:, 5] < arcs[:, 1])[:, None], arcs[:, [4, 5, 2, 3, 0, 1]], arcs)
     y0, y1, y2 = arcs[:, 1], arcs[:, 3], arcs[:, 5]
-    turn = np.where(y2 > y0, 1.0, -1.0)
-    a, b, c = (y0 - 2 * y1 + y2) * turn, (y1 - y0) * turn, (y0 - y) * turn
+    a, b, c = y0 - 2 * y1 + y2, y1 - y0, y0 - y
     with np.errstate(all="ignore"):
         t = -c / (b + np.sqrt(np.maximum(b * b - a * c, 0.0)))
     t = np.clip(np.nan_to_num(t), 0.0, 1.0)
