@@ -3,14 +3,15 @@
     python bench/lazy.py [--rounds 5] [--frequency 224] [--size 512]
 
 A sphere with bumps, of 20 · frequency² triangles, seen from close by; "seen" are those whose middle is in the picture.
-Sides take turns. "rays" are a `Tracer` and the camera's rays by `closest`, on as many threads; "picture" is all of
-`iso.render`, with a sky.
+Sides take turns. "rays" are a `Tracer` and the camera's rays by `closest`; "picture" is all of `iso.render` by
+`RayTrace`, with the shadow of a sun or with a sky all around.
 """
 
 from __future__ import annotations
 
 import argparse
 from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -72,17 +73,23 @@ def main(arguments: Sequence[str] | None = None) -> None:
     def trace(name: str, threads: int) -> Callable[[], object]:
         return lambda: iso.Tracer(mesh, accelerator=name, threads=threads).closest(*rays)
 
-    def picture(name: str, threads: int) -> Callable[[], object]:
+    def picture(light: iso.Sun | iso.Sky, name: str, threads: int) -> Callable[[], object]:
         def run() -> object:
             # A new scene: tables of the one rendered last are used again.
-            scene = iso.Scene([iso.Item(mesh)], [iso.Sky(strength=1)], camera)
+            scene = iso.Scene([iso.Item(mesh)], [light], camera)
             method = iso.RayTrace(samples=1, accelerator=name)
             return iso.render(scene, method, size=(options.size, options.size), threads=threads, progress=False)
 
         return run
 
     rows = []
-    for what, side, goal in (("building", build, BUILD_GOAL), ("rays", trace, GOAL), ("picture", picture, GOAL)):
+    sides = {
+        "building": (build, BUILD_GOAL),
+        "rays": (trace, GOAL),
+        "picture, sun": (partial(picture, iso.Sun((1, 1, 2))), GOAL),
+        "picture, sky": (partial(picture, iso.Sky(strength=1)), GOAL),
+    }
+    for what, (side, goal) in sides.items():
         for threads in (1, 2):
             found = in_turns({name: side(name, threads) for name in ("bih", "bvh")}, options.rounds)
             lazy, first = found["bih"], found["bvh"]

@@ -40,12 +40,13 @@ _ORIGIN, _INVERSE, _SLACK, _DOWN = np.int64(STACK), np.int64(STACK + 4), np.int6
 _BOTTOM, _ENTRY = np.int64(STACK + 16), np.int64(4)
 _LEAF, _LANES, _ONE = np.int64(LEAF), np.int64(LANES), np.int64(1)
 _ZERO = np.float32(0)
+_UNSPLIT = np.int64(-2)
 _MOST_BLOCK_WORDS = np.int64(1) << np.int64(40)
 
 
 class _Place(NamedTuple):
-    """A node, its level, the ray's interval in it, the top of the stack, and the leaf's block, or −1; `node` is −1 at
-    the end."""
+    """A node, its level, the ray's interval in it, the top of the stack, and the leaf's block, or −1, or _UNSPLIT;
+    `node` is −1 at the end."""
 
     node: int
     level: int
@@ -73,9 +74,9 @@ def _begin(tree, words, limit):
 
 
 @device
-def _descend(tree, tables, blocks, words, place):
-    """From a node to the leaf that the ray is in first, or to a node in which it meets nothing; other sides wait on the
-    stack where the ray comes there too."""
+def _descend(tree, words, place):
+    """From a node to the leaf that the ray is in first, or to a node in which it meets nothing, or that is to be split;
+    other sides wait on the stack where the ray comes there too."""
     nodes = tree.nodes
     node, level, enter, leave, top = place.node, place.level, place.enter, place.leave, place.top
     while True:
@@ -89,7 +90,7 @@ def _descend(tree, tables, blocks, words, place):
             return _Place(node, level, enter, leave, top, -_ONE)
         code = np.int64(load_acquire(nodes, node * NODE))
         if code <= 0:
-            code = call_entry(tree.split, (tables, blocks, node, level))
+            return _Place(node, level, enter, leave, top, _UNSPLIT)
         axis, number = code & _LEAF, (code >> 2) - _ONE
         if axis == _LEAF:
             return _Place(node, level, enter, leave, top, number)
@@ -137,8 +138,12 @@ def closest_in_bih(tables, blocks, ray):
     visited, tested, deepest = np.int64(0), np.int64(0), np.int64(0)
     while place.node >= 0:
         above = place.level
-        place = _descend(tree, tables, blocks, words, place)
-        visited += place.level - above + 1
+        place = _descend(tree, words, place)
+        visited += place.level - above
+        if place.block == _UNSPLIT:
+            call_entry(tree.split, (tables, blocks, place.node, place.level))
+            continue
+        visited += 1
         deepest = max(deepest, place.level)
         if place.block >= 0:
             count = min(_LANES, tree.count - place.block * _LANES)
@@ -159,8 +164,12 @@ def any_in_bih(tables, blocks, ray):
     visited, tested, deepest, met = np.int64(0), np.int64(0), np.int64(0), np.int64(0)
     while place.node >= 0:
         above = place.level
-        place = _descend(tree, tables, blocks, words, place)
-        visited += place.level - above + 1
+        place = _descend(tree, words, place)
+        visited += place.level - above
+        if place.block == _UNSPLIT:
+            call_entry(tree.split, (tables, blocks, place.node, place.level))
+            continue
+        visited += 1
         deepest = max(deepest, place.level)
         if place.block >= 0:
             count = min(_LANES, tree.count - place.block * _LANES)
