@@ -179,3 +179,10 @@ def test_accelerators_are_compared_with_the_tree() -> None:
     output = output_of("accelerators.py", *TINY_RAYS, "--scenes", "houses", "--accelerators", "grid", "kdtree")
     for name in ("grid", "kdtree"):
         assert re.search(rf"^\| houses \| {name} \|", output, re.MULTILINE), output
+
+
+def test_the_lazy_hierarchy_is_timed_against_the_tree() -> None:
+    output = output_of("lazy.py", *TINY_RAYS, "--frequency", "6")
+    for what in ("building", "rays", "picture, sun", "picture, sky"):
+        assert 0 < float(cells(output, what)[1]) < 0.5
+        assert all(float(cell) > 0 for cell in cells(output, what)[2:9])
