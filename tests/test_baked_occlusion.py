@@ -180,6 +180,27 @@ def test_the_command_unwraps_and_refuses(tmp_path: Path) -> None:
     assert not (tmp_path / "ao.png").exists()
 
 
+def test_the_command_makes_new_coordinates_where_it_may(tmp_path: Path) -> None:
+    pytest.importorskip("xatlas")
+    tiled = ground().with_(attributes={"uv": CORNERS * 3})
+    model, out = tmp_path / "tiled.glb", tmp_path / "out.glb"
+    settings = ("-o", out, "--size", "32", "--samples", "4")
+    iso.save(iso.Scene([iso.Item(tiled, name="floor")]), model)
+    said = refuses("bake", model, *settings)
+    assert "floor" in said
+    assert "--unwrap" in said
+    succeeds("bake", model, *settings, "--unwrap")
+    (item,) = iso.load_scene(out).items
+    assert isinstance(item.shape, iso.Mesh)
+    assert item.shape.uvs is not None
+    assert 0 <= item.shape.uvs.values.min() < item.shape.uvs.values.max() <= 1
+    out.unlink()
+    checker = iso.Texture(np.array([[0, 255], [255, 0]], np.uint8))
+    iso.save(iso.Scene([iso.Item(tiled, iso.Principled("white", colour_texture=checker))]), model)
+    assert "textures" in refuses("bake", model, *settings, "--unwrap")
+    assert not out.exists()
+
+
 @pytest.mark.parametrize(
     ("change", "word"),
     [

@@ -10,6 +10,7 @@ import typer
 if TYPE_CHECKING:
     from isophote.rendering.occlusion.bake import BakedOcclusion
     from isophote.scene.scene import Item, Scene
+    from isophote.shapes.mesh import Mesh
 
 __all__ = ["EXAMPLES", "bake"]
 
@@ -43,6 +44,10 @@ def bake(
         float | None, typer.Option(metavar="X", help="Length of rays, in metres.  [default: without end]")
     ] = None,
     gutter: Annotated[int, typer.Option(metavar="N", help="Texels around faces that repeat theirs.")] = 4,
+    unwrap: Annotated[
+        bool,
+        typer.Option("--unwrap", help="Make new texture coordinates, of meshes that have some and no textures, too."),
+    ] = False,
     seed: Annotated[int, typer.Option(metavar="N", help="The same seed gives the same texture.")] = 0,
     threads: Annotated[int | None, typer.Option(metavar="N", help="Threads.  [default: all processors]")] = None,
 ) -> None:
@@ -52,6 +57,7 @@ def bake(
         raise typer.BadParameter(f"{output}: use one of {', '.join(_ENDINGS)}", param_hint="--output")
     from isophote.cli.progress import progress
     from isophote.cli.subject import load_subject
+    from isophote.errors import FileError, GeometryError
     from isophote.io.files import check_writable
     from isophote.io.save import save
     from isophote.rendering.occlusion.bake import bake_occlusion
@@ -61,20 +67,23 @@ def bake(
     target = output.resolve()
     subject = load_subject(model)
     scene = subject if isinstance(subject, Scene) else Scene([subject if isinstance(subject, Item) else Item(subject)])
-    scene = _with_coordinates(scene, model, size, max(gutter, 2))
+    scene = _with_coordinates(scene, model, unwrap, {"size": size, "padding": max(gutter, 2)})
 
     def baked(item: Item) -> BakedOcclusion:
-        return bake_occlusion(
-            item,
-            size=size,
-            samples=samples,
-            max_distance=max_distance,
-            gutter=gutter,
-            among=scene,
-            seed=seed,
-            progress=progress(),
-            threads=threads,
-        )
+        try:
+            return bake_occlusion(
+                item,
+                size=size,
+                samples=samples,
+                max_distance=max_distance,
+                gutter=gutter,
+                among=scene,
+                seed=seed,
+                progress=progress(),
+                threads=threads,
+            )
+        except GeometryError as error:
+            raise FileError(model, f"{error}, as --unwrap does", _place(item)) from error
 
     if ending == ".png":
         baked(_only([item for item in scene.items if _takes_occlusion(item)], model)).save(target)
@@ -93,13 +102,12 @@ def _takes_occlusion(item: Item) -> bool:
     return isinstance(item.shape, Mesh) and not isinstance(item.material, Glass | ThinGlass | Emitter)
 
 
-def _with_coordinates(scene: Scene, model: Path, size: int, padding: int) -> Scene:
+def _with_coordinates(scene: Scene, model: Path, afresh: bool, packing: dict[str, int]) -> Scene:
     """The scene with texture coordinates on all meshes that are baked; items that share a mesh still do.
 
     Raises `FileError` where there are none to bake, or one cannot be unwrapped.
     """
-    from isophote.convert.unwrap import unwrap
-    from isophote.errors import FileError, GeometryError
+    from isophote.errors import FileError
     from isophote.shapes.mesh import Mesh
 
     made: dict[int, Mesh] = {}
@@ -108,15 +116,29 @@ def _with_coordinates(scene: Scene, model: Path, size: int, padding: int) -> Sce
         if not _takes_occlusion(item) or not isinstance(item.shape, Mesh):
             continue
         mesh = item.shape
-        try:
-            if id(mesh) not in made:
-                made[id(mesh)] = unwrap(mesh, size=size, padding=padding) if mesh.uvs is None else mesh
-        except GeometryError as error:
-            raise FileError(model, f"has a mesh without texture coordinates, and {error}") from error
+        if id(mesh) not in made:
+            made[id(mesh)] = _unwrapped(item, mesh, model, packing) if afresh or mesh.uvs is None else mesh
         items[i] = item.with_(shape=made[id(mesh)])
     if not made:
         raise FileError(model, "has no mesh to bake; `isophote convert` makes meshes of fields")
     return scene.with_(items=items)
+
+
+def _unwrapped(item: Item, mesh: Mesh, model: Path, packing: dict[str, int]) -> Mesh:
+    from isophote.convert.unwrap import unwrap
+    from isophote.errors import FileError, GeometryError
+    from isophote.scene.material_base import textures_of
+
+    if mesh.uvs is not None and textures_of(item.material):
+        raise FileError(model, "--unwrap would move the textures of its material", _place(item))
+    try:
+        return unwrap(mesh, **packing)
+    except GeometryError as error:
+        raise FileError(model, str(error), _place(item)) from error
+
+
+def _place(item: Item) -> str:
+    return f'mesh "{item.name}"' if item.name else ""
 
 
 def _only(meshes: list[Item], model: Path) -> Item:
