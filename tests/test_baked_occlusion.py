@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -130,10 +131,21 @@ def test_an_unwrapped_ball_is_open() -> None:
     np.testing.assert_array_equal(found.visibility, 1)
 
 
+def test_rays_from_higher_up_clear_the_faces_around_that_normals_between_corners_reach_below() -> None:
+    pytest.importorskip("xatlas")
+    ball = icosphere(1)
+    smooth = iso.unwrap(ball.with_(attributes={"normal": ball.vertices}), size=64)
+    low, high = (iso.bake_occlusion(smooth, size=64, bias=bias).visibility.min() for bias in (None, 0.03))
+    assert low < high == 1
+
+
 def test_a_glb_keeps_the_texture_in_its_slot(tmp_path: Path) -> None:
     baked = iso.bake_occlusion(FOLD, size=32, samples=32)
     material = iso.Principled("tomato", occlusion_texture=baked.texture, occlusion_strength=0.5)
     iso.save(iso.Scene([iso.Item(FOLD, material)]), tmp_path / "fold.glb")
+    data = (tmp_path / "fold.glb").read_bytes()
+    (stored,) = json.loads(data[20 : 20 + int.from_bytes(data[12:16], "little")])["materials"]
+    assert stored["occlusionTexture"] == {"index": 0, "strength": 0.5}
     (item,) = iso.load_scene(tmp_path / "fold.glb").items
     assert isinstance(item.material, iso.Principled)
     kept = item.material.occlusion_texture
