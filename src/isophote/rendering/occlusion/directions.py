@@ -7,7 +7,7 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["hemicube"]
+__all__ = ["hemicube", "hemisphere"]
 
 Floats: TypeAlias = npt.NDArray[np.float32]
 
@@ -37,3 +37,21 @@ def hemicube(edge: int) -> Floats:
     # The middle of a pixel stands for all of it, which leaves the sum a little off 1.
     rows[:, 3] /= rows[:, 3].sum()
     return rows.astype(np.float32)
+
+
+def hemisphere(edge: int) -> Floats:
+    """(n, 4) float32: `edge` by `edge` directions whose feet on the unit disk stand for equal areas of it, and so for
+    equal form factors (Nusselt's analogue): what a patch hides of the hemisphere, seen from above, is its part.
+
+    Sources: Nusselt, "Graphische Bestimmung des Winkelverhältnisses bei der Wärmestrahlung", 1928; squares onto the
+    disk: Shirley, Chiu, "A Low Distortion Map Between Disk and Square", Journal of Graphics Tools 2(3), 1997.
+    """
+    across = -1 + 2 / edge * (np.arange(edge) + 0.5)
+    a, b = (grid.reshape(-1) for grid in np.meshgrid(across, across))
+    wide = np.abs(a) > np.abs(b)
+    radius = np.where(wide, a, b)
+    small = np.where(wide, b, a) / np.where(radius == 0, 1.0, radius)
+    angle = np.where(wide, np.pi / 4 * small, np.pi / 2 - np.pi / 4 * small)
+    x, y = radius * np.cos(angle), radius * np.sin(angle)
+    z = np.sqrt(np.maximum(1 - radius * radius, 0.0))
+    return np.stack([x, y, z, np.full_like(x, 1 / edge**2)], axis=1).astype(np.float32)

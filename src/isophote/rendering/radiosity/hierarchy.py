@@ -49,6 +49,26 @@ class Settled:
         """(n, 3): radiosity of all nodes."""
         return self.bounces[-1]
 
+    @property
+    def irradiance(self) -> Points:
+        """(leaves, 3): light that arrives at every leaf in the end."""
+        arriving: Points = self.direct[self.tree.leaves] + self.balance.gathered(self.light)
+        return arriving
+
+    @property
+    def form_factor_sums(self) -> Points:
+        """(leaves,): Σ F of every leaf."""
+        return self.balance.form_factor_sums()
+
+    def radiosity_at(self, number: int, leaves: Numbers, places: Points) -> Points:
+        """(n, 3): radiosity after so many bounces at places on leaves."""
+        if number == 0:
+            shining: Points = self.bounces[0][leaves]
+            return shining
+        arriving = self.balance.at_places(self.bounces[number - 1], leaves, places) + self.direct[leaves]
+        radiosity: Points = self.tree.emission[leaves] + self.tree.albedo[leaves] * arriving
+        return radiosity
+
 
 class _Direct:
     """Irradiance from lights that are no patches, for nodes as they come."""

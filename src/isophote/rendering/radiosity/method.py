@@ -17,7 +17,8 @@ from isophote.rendering.radiosity.faces import Faces, faces_of
 from isophote.rendering.radiosity.hierarchy import settle
 from isophote.rendering.radiosity.solution import RadiositySolution, solution_of
 from isophote.rendering.radiosity.tree import PatchTree
-from isophote.rendering.settings import optional_positive, positive, whole
+from isophote.rendering.radiosity.uniform import check_count, cut_evenly, settle_evenly
+from isophote.rendering.settings import one_of, optional_positive, positive, whole
 from isophote.scene.camera import Camera
 from isophote.scene.light import RectLight
 from isophote.scene.scene import Item, Scene
@@ -37,6 +38,11 @@ class Radiosity:
     each may be off is below `error`, in parts of the mean radiosity. Light bounces until no patch changes by more than
     `residual` of the brightest. `samples` rays a pixel show the result. All materials but Emitter are taken for Matte.
 
+    With the method "gathering" or "shooting" all faces are cut evenly and light goes between all pairs of patches, by
+    `form_factors`: "rays" between each two, or `directions` from each patch through the pixels of a "hemicube" or of
+    a "hemisphere"; shooting sends the most light first, until the part `residual` of it is left. There are at most
+    `max_links` form factors.
+
     Sources: Goral et al., "Modeling the Interaction of Light Between Diffuse Surfaces", SIGGRAPH 1984; Hanrahan,
     Salzman, Aupperle, "A Rapid Hierarchical Radiosity Algorithm", SIGGRAPH 1991.
     """
@@ -46,6 +52,9 @@ class Radiosity:
     residual: float = attrs.field(default=1e-4, validator=positive)
     samples: int = attrs.field(default=16, validator=whole(1, 1024))
     max_links: int = attrs.field(default=50_000_000, validator=whole(1, 2**31))
+    method: str = attrs.field(default="hierarchical", validator=one_of(("hierarchical", "gathering", "shooting")))
+    form_factors: str = attrs.field(default="rays", validator=one_of(("rays", "hemicube", "hemisphere")))
+    directions: int = attrs.field(default=4096, validator=whole(12, 2**20))
 
     def render(self, job: Job) -> Image:
         """The picture of the balance of light."""
@@ -71,11 +80,29 @@ class Radiosity:
         patch = self.patch or _PATCH * _extent(scene)
         report("cutting surfaces", 0.0)
         faces = faces_of(scene, patch)
+        even = self.method != "hierarchical"
+        if even:
+            check_count(faces, patch, self.max_links)
         tables = lower_scene(_blockers(faces, scene), (1, 1), threads)
         report("cutting surfaces", 1.0)
+        tree = PatchTree(faces, Coverage(tables, faces.solid, threads))
+        if even:
+            cut_evenly(tree, patch)
+            return solution_of(
+                settle_evenly(
+                    tables,
+                    tree,
+                    method=self.method,
+                    form_factors=self.form_factors,
+                    directions=self.directions,
+                    residual=self.residual,
+                    report=report,
+                    threads=threads,
+                )
+            )
         settled = settle(
             tables,
-            PatchTree(faces, Coverage(tables, faces.solid, threads)),
+            tree,
             error=self.error,
             patch=patch,
             residual=self.residual,

@@ -15,6 +15,7 @@ from isophote.rendering.image import Image
 from isophote.rendering.method import Array, Size, checked_size
 from isophote.rendering.radiosity.hierarchy import Settled
 from isophote.rendering.radiosity.surface import Surface, surface_of
+from isophote.rendering.radiosity.uniform import UniformSettled
 from isophote.rendering.tracer import Tracer
 from isophote.scene.camera import AnyCamera, Camera
 from isophote.shapes.mesh import Attribute, Mesh
@@ -32,9 +33,10 @@ class RadiositySolution:
 
     `corners` (n, 4, 3), the last of a triangle NaN; `areas` (n,) in m²; `albedo`, and in W/m² `irradiance` H and
     `radiosity` B (n, 3); `item` (n,) the number of each patch's item or light. `residuals`: by how much each bounce
-    changed the radiosity of any patch, in parts of the largest. `form_factor_sums` (n,): Σ F of each patch, 1 where it
-    sees surfaces to all sides. `links`: between how many pairs light was exchanged. `mesh` holds the radiance B / π as
-    the linear attribute "colour" of its vertices, smooth within planes and smooth meshes.
+    changed the radiosity of any patch, in parts of the largest; where light was shot, a step is half of what was left,
+    and the residual what part of all light still is. `form_factor_sums` (n,): Σ F of each patch, 1 where it sees
+    surfaces to all sides, NaN where it was not needed. `links`: between how many pairs light was exchanged. `mesh`
+    holds the radiance B / π as the linear attribute "colour" of its vertices, smooth within planes and smooth meshes.
     """
 
     corners: Points
@@ -47,7 +49,7 @@ class RadiositySolution:
     form_factor_sums: Points
     links: int
     mesh: Mesh
-    _settled: Settled = attrs.field(repr=False)
+    _settled: Settled | UniformSettled = attrs.field(repr=False)
     _surface: Surface = attrs.field(repr=False)
 
     @property
@@ -59,9 +61,7 @@ class RadiositySolution:
         """`mesh` as it is after so many bounces: with 0 only what shines, with 1 direct light, and so on."""
         if not 0 <= number <= self.bounce_count:
             raise RenderError(f"bounce: there are bounces 0 to {self.bounce_count}, but not {number!r}")
-        light = self._settled.bounces[number]
-        before = self._settled.bounces[max(number - 1, 0)]
-        return _mesh(self._settled, self._surface, before if number else None, light)
+        return _mesh(self._settled, self._surface, number)
 
     def image(
         self, camera: AnyCamera, size: Size = (640, 480), *, samples: int = 16, bounce: int | None = None
@@ -82,42 +82,38 @@ class RadiositySolution:
         return f"<RadiositySolution: {len(self.areas):,} patches, {self.links:,} links, residual {residual:.1e}>"
 
 
-def solution_of(settled: Settled) -> RadiositySolution:
+def solution_of(settled: Settled | UniformSettled) -> RadiositySolution:
     """What a tree in balance says."""
     tree, leaves = settled.tree, settled.tree.leaves
     surface = surface_of(tree)
     corners = tree.corners[leaves].copy()
     corners[tree.sides[leaves] == 3, 3] = np.nan
-    before = settled.bounces[-2] if len(settled.bounces) > 1 else None
     return RadiositySolution(
         corners=corners,
         areas=tree.areas[leaves],
         albedo=tree.albedo[leaves],
-        irradiance=settled.direct[leaves] + settled.balance.gathered(settled.light),
+        irradiance=settled.irradiance,
         radiosity=settled.light[leaves],
         item=tree.faces.item[tree.face[leaves]],
         residuals=settled.residuals,
-        form_factor_sums=settled.balance.form_factor_sums(),
+        form_factor_sums=settled.form_factor_sums,
         links=settled.links,
-        mesh=_mesh(settled, surface, before, settled.light),
+        mesh=_mesh(settled, surface, len(settled.bounces) - 1),
         settled=settled,
         surface=surface,
     )
 
 
-def _mesh(settled: Settled, surface: Surface, before: Points | None, light: Points) -> Mesh:
-    """Radiance at vertices: what leaves gather there from the light before, blended where leaves meet."""
-    tree, leaf = settled.tree, surface.leaf
-    if before is None:
-        radiosity = light[leaf]
-    else:
-        arriving = settled.balance.at_places(before, leaf, surface.place) + settled.direct[leaf]
-        radiosity = tree.emission[leaf] + tree.albedo[leaf] * arriving
+def _mesh(settled: Settled | UniformSettled, surface: Surface, number: int) -> Mesh:
+    """Radiance at vertices after so many bounces: that of leaves at these places, blended where leaves meet."""
+    radiosity = settled.radiosity_at(number, surface.leaf, surface.place)
     colour = np.maximum(surface.averaged(radiosity), 0.0) / np.pi
     return Mesh(surface.vertices, surface.triangles, attributes={"colour": Attribute(colour.astype(np.float32))})
 
 
-def picture_of(mesh: Mesh, surface: Surface, settled: Settled, camera: AnyCamera, size: Size, samples: int) -> Image:
+def picture_of(
+    mesh: Mesh, surface: Surface, settled: Settled | UniformSettled, camera: AnyCamera, size: Size, samples: int
+) -> Image:
     """Rays through a grid of places in each pixel, met by the mesh, coloured by its vertices."""
     if isinstance(samples, bool) or not isinstance(samples, int | np.integer) or not 1 <= samples <= 1024:
         raise RenderError(f"Radiosity: samples must be a whole number from 1 to 1024, not {samples!r}")
@@ -153,7 +149,9 @@ def _rays(
     return film.o + x * film.ox + y * film.oy, film.d + x * film.dx + y * film.dy
 
 
-def _features(tracer: Tracer, settled: Settled, surface: Surface, camera: AnyCamera, size: Size) -> dict[str, Array]:
+def _features(
+    tracer: Tracer, settled: Settled | UniformSettled, surface: Surface, camera: AnyCamera, size: Size
+) -> dict[str, Array]:
     """Channels of what is seen at the centres of pixels."""
     width, height = size
     origins, directions = _rays(camera, size, np.arange(height), (0.5, 0.5))

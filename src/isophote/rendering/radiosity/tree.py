@@ -12,7 +12,7 @@ from isophote.kernels.trace.exchange import PATCHES
 from isophote.rendering.radiosity.coverage import Coverage
 from isophote.rendering.radiosity.faces import Faces, looked_up
 
-__all__ = ["PatchTree", "quarter_centres"]
+__all__ = ["PatchTree", "on_patches", "quarter_centres"]
 
 Points: TypeAlias = npt.NDArray[np.float64]
 Numbers: TypeAlias = npt.NDArray[np.int64]
@@ -151,7 +151,7 @@ class PatchTree:
         for i in range(_PLACES):
             for j in range(_PLACES):
                 a, b = (i + 0.5) / _PLACES, (j + 0.5) / _PLACES
-                place = _on(uvs, self.sides[nodes[textured]], a, b)
+                place = on_patches(uvs, self.sides[nodes[textured]], a, b)
                 total += looked_up(self.faces.textures, self.faces.texture[faces[textured]], place)
         albedo[textured] *= total / _PLACES**2
         return albedo
@@ -220,7 +220,7 @@ def _order(faces: Faces) -> Numbers:
     return order
 
 
-def _on(rows: Points, sides: npt.NDArray[np.uint8], a: float, b: float) -> Points:
+def on_patches(rows: Points, sides: npt.NDArray[np.uint8], a: float, b: float) -> Points:
     """The place (a, b) of each patch, as kernels put it there."""
     p, q = (a - b / 2, b / 2) if b <= a else (a / 2, b - a / 2)
     three = (sides == 3)[:, None]
