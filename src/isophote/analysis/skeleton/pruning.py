@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import TypeAlias
+from typing import Any, Protocol, TypeAlias, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
-from isophote.analysis.skeleton.result import MedialAxis, of_parts
 from isophote.errors import GeometryError
 
 __all__ = ["pruned"]
@@ -18,7 +17,34 @@ FloatArray: TypeAlias = npt.NDArray[np.float64]
 _HALVINGS = 60
 
 
-def pruned(axis: MedialAxis, feature: float, scale: float) -> MedialAxis:
+class _Axis(Protocol):
+    """What is pruned, such as a `MedialAxis`."""
+
+    @property
+    def vertices(self) -> FloatArray:
+        """(v, 2): ends of arcs."""
+
+    @property
+    def radius(self) -> FloatArray:
+        """(v,): radii of the balls around them."""
+
+    @property
+    def arcs(self) -> npt.NDArray[np.int32]:
+        """(a, 2): the ends of each arc."""
+
+    def at(self, arc: npt.ArrayLike, t: npt.ArrayLike) -> Any:
+        """Balls along arcs: `centre`, `radius`, `feet`."""
+
+    def part(
+        self, keep: npt.NDArray[np.bool_], vertices: FloatArray, radius: FloatArray, arcs: npt.NDArray[np.int32]
+    ) -> Any:
+        """The same with only some arcs."""
+
+
+_Pruned = TypeVar("_Pruned", bound=_Axis)
+
+
+def pruned(axis: _Pruned, feature: float, scale: float) -> _Pruned:
     """The axis without branches that stand for little; see `MedialAxis.pruned`."""
     if not 0 <= feature < math.inf:
         raise GeometryError(f"feature must be a finite number, 0 or more, not {feature!r}")
@@ -29,7 +55,7 @@ def pruned(axis: MedialAxis, feature: float, scale: float) -> MedialAxis:
     return _cut_back(axis, feature) if feature > 0 else axis
 
 
-def _is_covered(axis: MedialAxis, scale: float) -> npt.NDArray[np.bool_]:
+def _is_covered(axis: _Axis, scale: float) -> npt.NDArray[np.bool_]:
     """(a, 2): whether the ball at this end of an arc lies in the one at the other, both enlarged."""
     a, b = axis.arcs.T
     apart = np.linalg.norm(axis.vertices[a] - axis.vertices[b], axis=1)
@@ -37,13 +63,14 @@ def _is_covered(axis: MedialAxis, scale: float) -> npt.NDArray[np.bool_]:
     return np.stack([apart <= gain, apart <= -gain], axis=1)
 
 
-def _without(axis: MedialAxis, removable: npt.NDArray[np.bool_]) -> MedialAxis:
+def _without(axis: _Pruned, removable: npt.NDArray[np.bool_]) -> _Pruned:
     """Leave out arcs from the ends of branches inwards, as far as they are removable from their outer end."""
     keep, _ = _walk(axis, removable)
-    return of_parts(axis, keep, axis.vertices, axis.radius, axis.arcs)
+    rest: _Pruned = axis.part(keep, axis.vertices, axis.radius, axis.arcs)
+    return rest
 
 
-def _walk(axis: MedialAxis, removable: npt.NDArray[np.bool_]) -> tuple[npt.NDArray[np.bool_], list[tuple[int, int]]]:
+def _walk(axis: _Axis, removable: npt.NDArray[np.bool_]) -> tuple[npt.NDArray[np.bool_], list[tuple[int, int]]]:
     """Arcs that stay, and (arc, end) for those that are left as the ends of branches."""
     arcs = axis.arcs
     degree = np.bincount(arcs.reshape(-1), minlength=len(axis.vertices))
@@ -73,7 +100,7 @@ def _walk(axis: MedialAxis, removable: npt.NDArray[np.bool_]) -> tuple[npt.NDArr
     return keep, tips
 
 
-def _cut_back(axis: MedialAxis, feature: float) -> MedialAxis:
+def _cut_back(axis: _Pruned, feature: float) -> _Pruned:
     """Cut branches back to where feet are 2 `feature` apart."""
     numbers = np.arange(len(axis.arcs))
     ends = np.stack([_spread(axis, numbers, np.full(len(numbers), t)) for t in (0.0, 1.0)], axis=1)
@@ -81,7 +108,8 @@ def _cut_back(axis: MedialAxis, feature: float) -> MedialAxis:
     keep, tips = _walk(axis, ends[:, ::-1] < feature)
     tips = [(arc, end) for arc, end in tips if ends[arc, end] < feature <= ends[arc, 1 - end]]
     if not tips:
-        return of_parts(axis, keep, axis.vertices, axis.radius, axis.arcs)
+        whole: _Pruned = axis.part(keep, axis.vertices, axis.radius, axis.arcs)
+        return whole
     arc, end = np.array(tips).T
     small, large = end.astype(np.float64), 1.0 - end
     for _ in range(_HALVINGS):
@@ -92,10 +120,11 @@ def _cut_back(axis: MedialAxis, feature: float) -> MedialAxis:
     arcs = axis.arcs.copy()
     arcs[arc, end] = len(axis.vertices) + np.arange(len(arc))
     vertices, radius = np.concatenate([axis.vertices, balls.centre]), np.concatenate([axis.radius, balls.radius])
-    return of_parts(axis, keep, vertices, radius, arcs)
+    rest: _Pruned = axis.part(keep, vertices, radius, arcs)
+    return rest
 
 
-def _spread(axis: MedialAxis, arc: npt.NDArray[np.int64], t: FloatArray) -> FloatArray:
+def _spread(axis: _Axis, arc: npt.NDArray[np.int64], t: FloatArray) -> FloatArray:
     """Half the distance between the two points that a ball touches."""
     feet = axis.at(arc, t).feet
     half: FloatArray = np.linalg.norm(feet[:, 0] - feet[:, 1], axis=1) / 2

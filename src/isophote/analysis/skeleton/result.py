@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from isophote.analysis.arrays import read_only
+from isophote.analysis.skeleton.pruning import pruned
 from isophote.errors import GeometryError
 
 __all__ = ["Balls", "MedialAxis"]
@@ -133,25 +134,23 @@ class MedialAxis:
         enlarged too (after Giesen, Miklos, Pauly and Wormser, "The scale axis transform", 2009). Raises
         `GeometryError` for other numbers.
         """
-        from isophote.analysis.skeleton.pruning import pruned
-
         return pruned(self, feature, scale)
+
+    def part(self, keep: BoolArray, vertices: FloatArray, radius: FloatArray, arcs: IntArray) -> MedialAxis:
+        """The axis with only some of `arcs`, and only those of `vertices` at their ends; one vertex where no arc is
+        left."""
+        kept = arcs[keep]
+        used = np.unique(kept) if len(kept) else np.array([int(np.argmax(radius))])
+        number = np.full(len(vertices), -1, np.int32)
+        number[used] = np.arange(len(used), dtype=np.int32)
+        return MedialAxis(
+            self.rings,
+            read_only(vertices[used]),
+            read_only(radius[used]),
+            read_only(number[kept]),
+            read_only(self.sites[keep]),
+        )
 
     def __repr__(self) -> str:
         curved = int(self.parabolic.sum())
         return f"MedialAxis({len(self.vertices)} vertices, {len(self.arcs)} arcs, {curved} of them parabolic)"
-
-
-def of_parts(axis: MedialAxis, keep: BoolArray, vertices: FloatArray, radius: FloatArray, arcs: IntArray) -> MedialAxis:
-    """The axis with only some arcs, and only the vertices at their ends; one vertex where no arc is left."""
-    kept = arcs[keep]
-    used = np.unique(kept) if len(kept) else np.array([int(np.argmax(radius))])
-    number = np.full(len(vertices), -1, np.int32)
-    number[used] = np.arange(len(used), dtype=np.int32)
-    return MedialAxis(
-        axis.rings,
-        read_only(vertices[used]),
-        read_only(radius[used]),
-        read_only(number[kept]),
-        read_only(axis.sites[keep]),
-    )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, TypeAlias
+from typing import Protocol, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -10,12 +10,16 @@ import numpy.typing as npt
 from isophote.analysis.triangulation.given import finite_points, triangle_corners
 from isophote.errors import GeometryError
 
-if TYPE_CHECKING:
-    from isophote.analysis.triangulation.result import Delaunay
-
 __all__ = ["compare_equiangularity", "equiangularity"]
 
 FloatArray: TypeAlias = npt.NDArray[np.float64]
+
+
+class _Triangulation(Protocol):
+    """What has angles, such as a `Delaunay`."""
+
+    def equiangularity(self) -> FloatArray:
+        """All angles, ascending."""
 
 
 def equiangularity(points: npt.ArrayLike, triangles: npt.ArrayLike) -> FloatArray:
@@ -34,7 +38,7 @@ def equiangularity(points: npt.ArrayLike, triangles: npt.ArrayLike) -> FloatArra
     return np.sort(np.arctan2(np.abs(cross), dot), axis=None)
 
 
-def compare_equiangularity(a: Delaunay, b: Delaunay, tolerance: float = 1e-9) -> int:
+def compare_equiangularity(a: _Triangulation, b: _Triangulation, tolerance: float = 1e-9) -> int:
     """1 where triangulation a is more equiangular than b, -1 where it is less, 0 where they are equal.
 
     Compares the ascending angles of both, from the least on, at the first place where they differ by more than
