@@ -1,0 +1,105 @@
+"""Radiosity: form factors against closed forms, a room against path tracing, and how cost grows with the elements.
+
+    python bench/light.py [--rounds 1] [--elements 1000 10000 100000]
+
+Elements are the faces of a room's walls, cut into grids beforehand, and what the solver cuts them into.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from collections.abc import Sequence
+
+import numpy as np
+
+import isophote as iso
+from common import print_machine
+
+FLOOR = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], float)
+CEILING = np.add(FLOOR[::-1], (0, 0, 1))
+WALL = np.array([(0, 0, 0), (0, 1, 0), (0, 1, 1), (0, 0, 1)], float)
+COST_GOAL, SECONDS_GOAL, PATH_GOAL = 1.2, 20.0, 0.005
+
+
+def grid(corner: Sequence[float], along: Sequence[float], across: Sequence[float], count: int) -> iso.Mesh:
+    """A parallelogram as count × count of them."""
+    i, j = np.meshgrid(np.arange(count + 1), np.arange(count + 1), indexing="ij")
+    steps = np.stack([i.reshape(-1), j.reshape(-1)], axis=1) / count
+    number = np.arange((count + 1) ** 2).reshape(count + 1, count + 1)
+    faces = np.stack([number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]], axis=-1).reshape(-1, 4)
+    return iso.Mesh(np.asarray(corner, float) + steps @ np.array([along, across], float), faces)
+
+
+def room(count: int) -> iso.Scene:
+    """Five walls with a lamp, as Cornell's box."""
+    walls = [
+        (grid((-1, 0, -1), (0, 0, 2), (2, 0, 0), count), (0.7, 0.7, 0.7)),
+        (grid((-1, 2, -1), (2, 0, 0), (0, 0, 2), count), (0.7, 0.7, 0.7)),
+        (grid((-1, 0, -1), (2, 0, 0), (0, 2, 0), count), (0.7, 0.7, 0.7)),
+        (grid((-1, 0, 1), (0, 0, -2), (0, 2, 0), count), (0.6, 0.1, 0.1)),
+        (grid((1, 0, -1), (0, 0, 2), (0, 2, 0), count), (0.1, 0.5, 0.1)),
+    ]
+    lamp = iso.RectLight(size=(0.5, 0.5), radiance=15).at((0, 1.98, 0))
+    camera = iso.Camera((0, 1, 4.4), (0, 1, 0), fov_degrees=34)
+    return iso.Scene([iso.Item(mesh, iso.Matte(colour)) for mesh, colour in walls], lights=[lamp], camera=camera)
+
+
+def compare_form_factors() -> None:
+    """Unit squares, and all walls of a cube."""
+    parallel, touching = iso.form_factor(FLOOR, CEILING), iso.form_factor(FLOOR, WALL)
+    print(f"unit squares, parallel: {parallel:.9f}, off by {abs(parallel - 0.199824896):.1e} (goal 1e-4)")
+    print(f"unit squares, touching: {touching:.9f}, off by {abs(touching - 0.200043776):.1e} (goal 1e-4)")
+    print(f"closure of a cube: off by {abs(parallel + 4 * touching - 1):.1e} (goal 1e-6)")
+
+
+def compare_path_tracing() -> None:
+    """Blocks of 8 × 8 pixels of a picture of the room."""
+    scene = room(1)
+    settled = iso.render(scene, iso.Radiosity(patch=0.06, error=0.005), size=(80, 80), progress=False)
+    traced = iso.render(scene, iso.PathTrace(samples=512, max_depth=64), size=(80, 80), progress=False)
+    ours, theirs = (
+        image.channels["colour"].astype(np.float64).reshape(10, 8, 10, 8, 3).mean(axis=(1, 3))[1:-1, 1:-1].mean(axis=2)
+        for image in (settled, traced)
+    )
+    errors = np.abs(ours - theirs) / theirs
+    print(
+        f"room against path tracing, by blocks: median {np.median(errors):.2%}, nine in ten within "
+        f"{np.percentile(errors, 90):.2%}, most {errors.max():.2%} (goal {PATH_GOAL:.1%})"
+    )
+
+
+def measure_cost(wanted: Sequence[int], rounds: int) -> None:
+    """Seconds for rooms of more and more elements, and the exponent between the first and the last."""
+    found = []
+    for count in wanted:
+        # Walls have two sides.
+        scene, best = room(max(1, round((count / 10) ** 0.5))), np.inf
+        for _ in range(rounds):
+            began = time.perf_counter()
+            solution = iso.radiosity(scene, iso.Radiosity(patch=1.0, residual=1e-4), progress=False)
+            best = min(best, time.perf_counter() - began)
+        found.append((len(solution.areas), best))
+        print(
+            f"{len(solution.areas):,} elements: {best:.2f} s, {solution.links:,} links, {solution.bounce_count} bounces"
+        )
+    if len(found) > 1:
+        (few, short), (many, long) = found[0], found[-1]
+        print(f"exponent: {np.log(long / short) / np.log(many / few):.2f} (goal {COST_GOAL})")
+        print(f"{many:,} elements to a residual of 1e-4: {long:.1f} s (goal {SECONDS_GOAL:.0f} s for 100,000)")
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--rounds", type=int, default=1)
+    parser.add_argument("--elements", type=int, nargs="+", default=[1000, 10_000, 100_000])
+    options = parser.parse_args(arguments)
+    print_machine()
+    compare_form_factors()
+    compare_path_tracing()
+    iso.radiosity(room(2), iso.Radiosity(patch=1.0), progress=False)
+    measure_cost(options.elements, options.rounds)
+
+
+if __name__ == "__main__":
+    main()
