@@ -36,16 +36,24 @@ def lamp(height: float = 1.98) -> iso.RectLight:
     return iso.RectLight(size=(0.5, 0.5), radiance=(15, 15, 15)).at((0, height, 0))
 
 
-def test_a_closed_room_under_an_even_light_is_as_bright_as_its_series_says() -> None:
-    # All walls get irradiance π from a sky of radiance 1 that walls do not block: B = ρ H, summed over bounces by hand,
-    # is what a ball's inside does; here the light is a shining box around nothing, E / (1 − ρ) of a closed enclosure.
-    shine = box(2.0, inward=True)
-    found = iso.radiosity(iso.Scene([iso.Item(shine, iso.Emitter(1.0))]), progress=False)
+@pytest.mark.parametrize("albedo", [0.0, 0.5, 0.8])
+def test_within_a_box_that_shines_all_is_as_bright_as_its_series_says(albedo: float) -> None:
+    # Of the sides that face inward B = E + ρ B, so B = E / (1 − ρ), and what arrives is as much: the box sees itself.
+    body = iso.Matte((albedo, albedo, albedo)) if albedo > 0 else None
+    shine = iso.Scene([iso.Item(box(2.0, inward=True), iso.Emitter(1.0, body=body))])
+    found = iso.radiosity(shine, iso.Radiosity(residual=1e-6), progress=False)
     inside = found.form_factor_sums > 0.5
-    assert inside.any()
-    np.testing.assert_allclose(found.irradiance[inside], np.pi, rtol=0.03)
+    exact = np.pi / (1 - albedo)
+    np.testing.assert_allclose(found.irradiance[inside], exact, rtol=0.05)
     weights = found.areas[inside, None]
-    assert (found.irradiance[inside] * weights).sum() / weights.sum() / 3 == pytest.approx(np.pi, rel=0.005)
+    assert (found.irradiance[inside] * weights).sum() / weights.sum() / 3 == pytest.approx(exact, rel=0.01)
+
+
+def test_surfaces_that_reflect_and_shine_do_both() -> None:
+    lit = iso.Item(plane(2.0), iso.Emitter(0.5, body=iso.Matte((0.4, 0.4, 0.4))))
+    found = iso.radiosity(iso.Scene([lit], lights=[iso.Sun((0, 1, 0), irradiance=3.0)]), progress=False)
+    up = found.irradiance[:, 0] > 0
+    np.testing.assert_allclose(found.radiosity[up], 0.5 * np.pi + 0.4 * 3.0, rtol=1e-4)
 
 
 def test_energy_in_a_closed_room_is_kept() -> None:

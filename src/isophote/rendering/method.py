@@ -19,7 +19,7 @@ from isophote.rendering.image import Image
 from isophote.rendering.pool import Pool
 from isophote.scene.scene import Scene
 
-__all__ = ["Job", "Method", "checked_accelerator", "checked_seed", "checked_size", "first_hit_channels"]
+__all__ = ["Job", "Method", "checked_accelerator", "checked_seed", "checked_size", "extent_of", "first_hit_channels"]
 
 Array: TypeAlias = npt.NDArray[Any]
 Size: TypeAlias = tuple[int, int]
@@ -104,3 +104,12 @@ def first_hit_channels(
 
     pool.run(work, range(0, height, _ROWS_A_JOB), lambda count: None)
     return channels
+
+
+def extent_of(scene: Scene) -> float:
+    """Diagonal of what is finite in the scene, without what is flat as a ground; 1 where nothing is."""
+    boxes = [item.bounds for item in scene.items]
+    solid = [box for box in boxes if np.isfinite(box).all() and (box[1] > box[0]).all()]
+    if not solid:
+        return 1.0
+    return float(np.linalg.norm(np.max([b[1] for b in solid], axis=0) - np.min([b[0] for b in solid], axis=0)))

@@ -19,7 +19,7 @@ from isophote.kernels.trace.sphere_trace import MARCH, SPHERE_PICTURE, sphere_tr
 from isophote.lower.field_table import scratch_words
 from isophote.lower.scene import lower_scene
 from isophote.rendering.image import Image
-from isophote.rendering.method import Array, Job, Size
+from isophote.rendering.method import Array, Job, Size, extent_of
 from isophote.rendering.pool import Pool, Tile, tiles_of
 from isophote.rendering.warm import warm_up
 from isophote.scene.light import AreaLight, DiskLight, Light, PointLight, RectLight, SphereLight, Sun
@@ -120,7 +120,7 @@ class SphereTrace:
         return Image(channels, metadata)
 
     def _march(self, job: Job) -> Packed:
-        size = _extent(job)
+        size = extent_of(job.scene)
         step = 0.0 if self.marcher == "sphere" else self.step or _STEP * size
         return MARCH.pack(
             max_steps=self.max_steps,
@@ -133,15 +133,6 @@ class SphereTrace:
             occlusion=_REACH * size if self.occlusion is None else self.occlusion,
             lights=_lights(job.scene.lights),
         )
-
-
-def _extent(job: Job) -> float:
-    """Diagonal of what is finite in the scene, without what is flat as a ground; 1 where nothing is."""
-    boxes = [item.bounds for item in job.scene.items]
-    solid = [box for box in boxes if np.isfinite(box).all() and (box[1] > box[0]).all()]
-    if not solid:
-        return 1.0
-    return float(np.linalg.norm(np.max([b[1] for b in solid], axis=0) - np.min([b[0] for b in solid], axis=0)))
 
 
 def _channels(size: Size) -> dict[str, Array]:

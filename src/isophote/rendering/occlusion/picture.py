@@ -17,7 +17,7 @@ from isophote.lower.field_table import scratch_words
 from isophote.lower.scene import lower_scene
 from isophote.rendering.film import Film
 from isophote.rendering.image import Image
-from isophote.rendering.method import Array, Job, first_hit_channels
+from isophote.rendering.method import Array, Job, extent_of, first_hit_channels
 from isophote.rendering.occlusion.points import checked_reach
 from isophote.rendering.occlusion.screen import screen_occlusion
 from isophote.rendering.passes import PATTERNS, Limits, trace_passes
@@ -116,7 +116,7 @@ class AmbientOcclusion:
             raise RenderError("AmbientOcclusion: the scene has no camera")
         grey = np.ones((*job.size[::-1], 3), np.float32)
         seen = Image({"colour": grey, "depth": channels["depth"], "normal": channels["normal"]})
-        radius = _REACH * _extent(job) if self.max_distance is None else self.max_distance
+        radius = _REACH * extent_of(job.scene) if self.max_distance is None else self.max_distance
         samples = self.samples if self.by == "classic" else max(1, self.samples // (2 * _SLICES))
         open_sky = screen_occlusion(
             seen, camera, radius, by=self.by, samples=samples, slices=_SLICES, seed=job.seed, threads=job.threads
@@ -128,12 +128,3 @@ def _normalised(bent: Array) -> Array:
     length = np.linalg.norm(bent, axis=2, keepdims=True)
     unit: Array = np.divide(bent, length, out=np.zeros_like(bent), where=length > 0).astype(np.float32)
     return unit
-
-
-def _extent(job: Job) -> float:
-    """Diagonal of what is finite in the scene, without what is flat as a ground; 1 where nothing is."""
-    boxes = [item.bounds for item in job.scene.items]
-    solid = [box for box in boxes if np.isfinite(box).all() and (box[1] > box[0]).all()]
-    if not solid:
-        return 1.0
-    return float(np.linalg.norm(np.max([b[1] for b in solid], axis=0) - np.min([b[0] for b in solid], axis=0)))

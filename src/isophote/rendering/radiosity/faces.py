@@ -15,6 +15,7 @@ from isophote.convert.contour import to_mesh
 from isophote.convert.triangulate import triangulate
 from isophote.errors import IsophoteWarning, RenderError
 from isophote.lower.lights import rectangle_mesh
+from isophote.lower.materials import emission_of
 from isophote.scene.colour import srgb_to_linear
 from isophote.scene.light import RectLight
 from isophote.scene.material import Emitter, Material, Matte
@@ -69,13 +70,13 @@ class _Surface:
     """A material as radiosity knows it."""
 
     def __init__(self, material: Material, name: str) -> None:
-        self.albedo, self.emission = np.zeros(3), np.zeros(3)
+        radiance, self.shines_behind = emission_of(material)
+        self.albedo, self.emission = np.zeros(3), np.pi * np.array(radiance)
         self.texture: Texture | None = None
-        self.shines_behind = False
         if isinstance(material, Emitter):
-            self.emission = np.pi * np.array(material.radiance)
-            self.shines_behind = material.two_sided
-            return
+            if material.body is None:
+                return
+            material = material.body
         colour = getattr(material, "colour", None)
         if colour is None:
             raise RenderError(f"{name}: a {type(material).__name__} has no colour that radiosity could reflect by")
