@@ -14,9 +14,9 @@ import math
 import numpy as np
 
 from isophote.kernels.base.double3 import Double3, cross3, difference, dot3, norm, scaled, total
-from isophote.kernels.base.jit import device, kernel
+from isophote.kernels.base.jit import device
 
-__all__ = ["corner3", "on_patch", "point_factors", "point_to_polygon"]
+__all__ = ["corner3", "on_patch", "point_to_polygon"]
 
 _ZERO = np.float64(0)
 
@@ -82,12 +82,3 @@ def point_to_polygon(point, normal, corners, sides, k):
     if clipped:
         sum_ += _edge(leaving, entering, normal)
     return abs(sum_) / (2 * math.pi)
-
-
-@kernel
-def point_factors(points, normals, corners, sides, found):
-    """`point_to_polygon` from each point i to patch i, into `found`."""
-    for i in range(len(points)):
-        point = Double3(points[i, 0], points[i, 1], points[i, 2])
-        normal = Double3(normals[i, 0], normals[i, 1], normals[i, 2])
-        found[i] = point_to_polygon(point, normal, corners, sides, i)

@@ -28,8 +28,6 @@ _WAVE = 272
 _NODES_A_JOB = 256
 # Rounds of linking, each by the light of the one before, and with a smaller limit.
 _ROUNDS = (16.0, 4.0, 1.0)
-# A patch is cut where light that comes from no patch varies within it by more than this part of what links may be off.
-_DIRECT = 4.0
 
 
 @attrs.frozen(eq=False)
