@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from scipy.spatial import ConvexHull
 
 import isophote as iso
+from isophote.checks.form_factors import parallel_rectangles, perpendicular_rectangles
 from isophote.errors import GeometryError
 
 FLOOR = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], float)
@@ -21,35 +22,6 @@ def area(polygon: np.ndarray) -> float:
     return float(np.linalg.norm(np.cross(fan[:-1], fan[1:]).sum(axis=0)) / 2)
 
 
-def parallel(x: float, y: float) -> float:
-    """Equal rectangles of edges x and y at distance 1 (Howell's catalogue, C-11)."""
-    p, q = 1 + x * x, 1 + y * y
-    log = np.log(np.sqrt(p * q / (1 + x * x + y * y)))
-    return float(
-        2
-        / (np.pi * x * y)
-        * (
-            log
-            + x * np.sqrt(q) * np.arctan(x / np.sqrt(q))
-            + y * np.sqrt(p) * np.arctan(y / np.sqrt(p))
-            - x * np.arctan(x)
-            - y * np.arctan(y)
-        )
-    )
-
-
-def perpendicular(h: float, w: float) -> float:
-    """From a floor of depth w to a wall of height h at a shared edge of length 1 (Howell's catalogue, C-14)."""
-    both = h * h + w * w
-    log = (
-        np.log((1 + w * w) * (1 + h * h) / (1 + both))
-        + w * w * np.log(w * w * (1 + both) / ((1 + w * w) * both))
-        + h * h * np.log(h * h * (1 + both) / ((1 + h * h) * both))
-    )
-    turn = w * np.arctan(1 / w) + h * np.arctan(1 / h) - np.sqrt(both) * np.arctan(1 / np.sqrt(both))
-    return float((turn + log / 4) / (np.pi * w))
-
-
 def test_unit_squares_have_their_closed_forms() -> None:
     assert iso.form_factor(FLOOR, CEILING) == pytest.approx(0.199824896, abs=1e-9)
     assert iso.form_factor(FLOOR, WALL) == pytest.approx(0.200043776, abs=1e-9)
@@ -58,13 +30,13 @@ def test_unit_squares_have_their_closed_forms() -> None:
 @pytest.mark.parametrize(("x", "y"), [(0.1, 0.2), (0.3, 5), (40, 40), (0.05, 3)])
 def test_parallel_rectangles(x: float, y: float) -> None:
     scale = np.array([x, y, 1.0])
-    assert iso.form_factor(FLOOR * scale, CEILING * scale) == pytest.approx(parallel(x, y), rel=1e-8)
+    assert iso.form_factor(FLOOR * scale, CEILING * scale) == pytest.approx(parallel_rectangles(x, y), rel=1e-8)
 
 
 @pytest.mark.parametrize(("h", "w"), [(0.01, 1), (1, 0.01), (20, 1), (3, 2)])
 def test_perpendicular_rectangles_that_touch(h: float, w: float) -> None:
     floor, wall = FLOOR * (w, 1, 1), WALL * (1, 1, h)
-    assert iso.form_factor(floor, wall) == pytest.approx(perpendicular(h, w), rel=1e-8)
+    assert iso.form_factor(floor, wall) == pytest.approx(perpendicular_rectangles(h, w), rel=1e-8)
 
 
 def test_a_cube_is_closed() -> None:
@@ -106,7 +78,7 @@ def test_what_is_behind_a_plane_takes_no_part() -> None:
     deep = WALL * (1, 1, 2) - (0, 0, 1)
     assert iso.form_factor(FLOOR, deep) == pytest.approx(iso.form_factor(FLOOR, WALL), abs=1e-12)
     within = iso.form_factor(FLOOR, np.add(WALL, (0.5, 0, 0)))
-    assert within == pytest.approx(0.5 * perpendicular(1, 0.5), abs=1e-9)
+    assert within == pytest.approx(0.5 * perpendicular_rectangles(1, 0.5), abs=1e-9)
 
 
 @pytest.mark.parametrize("distance", [30.0, 3e2, 3e3, 1e6])

@@ -8,7 +8,7 @@ import typer
 from typer.core import TyperGroup
 
 from isophote import __version__
-from isophote.cli import bake, convert, curvature, doctor, explain, info, render, voronoi
+from isophote.cli import bake, convert, curvature, doctor, explain, info, render, selfcheck, voronoi
 from isophote.cli.messages import shown
 
 __all__ = ["app", "main"]
@@ -51,6 +51,7 @@ app.command("info", epilog=info.EXAMPLES)(info.info)
 app.command("convert", epilog=convert.EXAMPLES)(convert.convert)
 app.command("curvature", epilog=curvature.EXAMPLES)(curvature.curvature)
 app.command("voronoi", epilog=voronoi.EXAMPLES)(voronoi.voronoi)
+app.command("selfcheck", epilog=selfcheck.EXAMPLES)(selfcheck.selfcheck)
 app.command("doctor", epilog=doctor.EXAMPLES)(doctor.doctor)
 
 
