@@ -261,3 +261,32 @@ def test_on_the_command_line(tmp_path):
     assert "depth=3" in image.metadata["method"]
     assert image.channels["rays"].shape == (8, 12)
     assert "the method path has no --depth" in misused("render", file, "-o", out, "--depth", "3")
+
+
+def half_covered(strength: float) -> iso.Principled:
+    """A white surface whose occlusion texture tells 0.25 on the left and 1 on the right."""
+    texels = np.array([[[0.25, 0.9, 0.1], [1.0, 0.0, 0.6]]], np.float32)
+    covered = iso.Texture(texels, colour_space="linear", filter="nearest")
+    return iso.Principled(1.0, roughness=1.0, occlusion_texture=covered, occlusion_strength=strength)
+
+
+@pytest.mark.parametrize("strength", [0.0, 0.6, 1.0])
+@pytest.mark.parametrize("glowing", [False, True])
+def test_occlusion_textures_darken_ambient_light_and_no_other(strength, glowing):
+    uvs = ((0, 0), (0, 1), (1, 1), (1, 0))
+    material = half_covered(strength)
+    item = iso.Item(plane(2).with_(attributes={"uv": uvs}), iso.Emitter(0.5, body=material) if glowing else material)
+    camera = iso.OrthographicCamera((0, 3, 0), (0, 0, 0), up=(0, 0, -1), height=2)
+
+    def sides(lights, **settings):
+        image = colour(ray_trace([item], lights, camera, size=(8, 8), samples=64, **settings))
+        return image[:, :4].mean(), image[:, 4:].mean()
+
+    left, right = sides([iso.Sky(1.0)])
+    emitted = 0.5 if glowing else 0.0
+    assert right == pytest.approx(1.0 + emitted, abs=0.01)
+    assert left - emitted == pytest.approx((1 + strength * (0.25 - 1)) * (right - emitted), rel=0.01)
+    left, right = sides([iso.Sun((0, 1, 0), 2.0)])
+    assert left == pytest.approx(right, rel=1e-4)
+    left, right = sides([iso.Sky(1.0)], method=iso.PathTrace(samples=64))
+    assert left == pytest.approx(right, rel=0.01)

@@ -37,7 +37,7 @@ __all__ = ["node_of"]
 
 Floats: TypeAlias = npt.NDArray[np.float32]
 
-_GREEN, _BLUE = 1, 2
+_RED, _GREEN, _BLUE = 0, 1, 2
 
 
 @singledispatch
@@ -181,7 +181,11 @@ def _(material: Principled) -> Node:
         Slot((material.metallic,) * 3, texture, _BLUE),
         Slot((material.roughness,) * 3, texture, _GREEN),
     )
-    return Node((principled.evaluate_principled, principled.sample_principled, None), slots, split_tables())
+    occlusion, strength = material.occlusion_texture, material.occlusion_strength
+    # What is left of ambient light, 1 + strength (texel − 1), as a sum of two.
+    left = () if occlusion is None else (Slot((1 - strength,) * 3), Slot((strength,) * 3, occlusion, _RED))
+    entries = principled.evaluate_principled, principled.sample_principled, None
+    return Node(entries, slots + left, split_tables(), openness=len(slots) if left else 0)
 
 
 @node_of.register

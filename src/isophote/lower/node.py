@@ -14,9 +14,12 @@ from isophote.scene.texture import Texture
 if TYPE_CHECKING:
     from isophote.kernels.base.entry import Entry
 
-__all__ = ["Node", "Slot", "no_nodes"]
+__all__ = ["SPAN", "Node", "Slot", "no_nodes"]
 
 Floats: TypeAlias = npt.NDArray[np.float32]
+
+# Columns of `Materials.spans`.
+SPAN = 5
 
 
 @attrs.frozen
@@ -40,7 +43,8 @@ class Slot:
 @attrs.frozen(eq=False)
 class Node:
     """A node of a material: its entries (evaluate, sample, branch), slots, numbers in `data`, what it mixes or coats,
-    how many single directions it sends light to, whether it scatters to all others, and whether the tangent matters."""
+    how many single directions it sends light to, whether it scatters to all others, whether the tangent matters, and
+    the first of the two slots whose sum is what ambient light is multiplied by, or 0 where all of it arrives."""
 
     entries: tuple[Entry, Entry, Entry | None]
     slots: tuple[Slot, ...]
@@ -49,13 +53,14 @@ class Node:
     branches: int = 0
     scatters: bool = True
     anisotropic: bool = False
+    openness: int = 0
 
 
 def no_nodes(materials: int) -> dict[str, Any]:
     """Fields of the table of so many materials that are all compiled into the tiles."""
     return {
         "prepare": 0,
-        "spans": np.zeros((materials, 4), np.int32),
+        "spans": np.zeros((materials, SPAN), np.int32),
         "nodes": np.zeros((0, 1), np.int64),
         "slot_values": np.zeros((0, 3), np.float32),
         "slot_codes": np.zeros((0, 2), np.int32),

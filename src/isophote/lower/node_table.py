@@ -11,7 +11,7 @@ import numpy.typing as npt
 from isophote.errors import SceneError
 from isophote.kernels.brdf.contract import MOST_SLOTS, NODE_WORDS
 from isophote.kernels.trace.prepare import prepare
-from isophote.lower.node import Node, Slot
+from isophote.lower.node import SPAN, Node, Slot
 from isophote.scene.texture import Texture
 
 __all__ = ["NodeTable"]
@@ -32,24 +32,24 @@ class NodeTable:
 
     def add_all(self, roots: Sequence[Node | None]) -> dict[str, Any]:
         """Fields of the table, for materials in their order; None where one is compiled into the tiles."""
-        spans = [(0, 0, 0, 0) if root is None else self._material(root) for root in roots]
+        spans = [(0,) * SPAN if root is None else self._material(root) for root in roots]
         codes = [(-1 if s.texture is None else self._texture(s.texture), s.channel) for s in self._slots]
         return {
             "prepare": prepare.address,
-            "spans": np.array(spans, np.int32).reshape(-1, 4),
+            "spans": np.array(spans, np.int32).reshape(-1, SPAN),
             "nodes": np.array(self._nodes, np.int64).reshape(-1, NODE_WORDS),
             "slot_values": np.array([s.value for s in self._slots], np.float32).reshape(-1, 3),
             "slot_codes": np.array(codes, np.int32).reshape(-1, 2),
             "data": np.concatenate(self._data),
         }
 
-    def _material(self, root: Node) -> tuple[int, int, int, int]:
+    def _material(self, root: Node) -> tuple[int, ...]:
         first = len(self._slots)
         number = self._add(root, first)
         count = len(self._slots) - first
         if count > MOST_SLOTS:
             raise SceneError(f"a material mixes or coats too much: {count} parameters, of {MOST_SLOTS} at most")
-        return number, first, count, int(root.anisotropic)
+        return number, first, count, int(root.anisotropic), root.openness
 
     def _add(self, node: Node, first: int) -> int:
         own = len(self._slots) - first

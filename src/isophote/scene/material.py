@@ -127,7 +127,8 @@ class Principled(Material):
     ("blend"). `metallic` and `roughness`, 0 to 1, are multiplied by the blue and green channels of
     `metallic_roughness_texture`; `emission`, radiance in W/(m² sr), by `emission_texture`.
     `normal_texture` holds tangent-space normals, whose x and y are scaled by `normal_scale`;
-    `occlusion_texture` darkens indirect light by its red channel, weighed by `occlusion_strength`.
+    `occlusion_texture` darkens ambient light, 1 + strength (red − 1) by `occlusion_strength`: that of `RayTrace`, for
+    which nothing stands in the way of a constant sky. Where light's way is traced, it plays no part.
     Source: glTF 2.0, section 3.9, "Materials".
     """
 

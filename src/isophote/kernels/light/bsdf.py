@@ -37,8 +37,9 @@ _ZERO, _HALF, _ONE = np.float32(0), np.float32(0.5), np.float32(1)
 # radiance, index of refraction, 1 where both sides emit. `scatters` (n,): 1 where light from any direction is scattered
 # to others, so that lights can be aimed at; `branches` (n,): the number of single directions that light is sent to.
 #
-# Of LINKED kinds: `prepare`, the entry of trace/prepare.py; `spans` (n, 4): root node, first slot, number of slots, 1
-# where the tangent matters; `nodes` (m, 8) as in brdf/contract.py; `slot_values` (k, 3) and `slot_codes` (k, 2): a
+# Of LINKED kinds: `prepare`, the entry of trace/prepare.py; `spans` (n, 5): root node, first slot, number of slots, 1
+# where the tangent matters, and which of the slots is the first of two whose sum is what ambient light is multiplied
+# by, or 0 where none is; `nodes` (m, 8) as in brdf/contract.py; `slot_values` (k, 3) and `slot_codes` (k, 2): a
 # parameter's value and the texture that multiplies it, or −1, with the channel that counts, or −1 for all three;
 # `data`: numbers of whatever kind, such as tables of measured reflectance.
 MATERIALS = Table(

@@ -16,6 +16,7 @@ from isophote.kernels.accel.surface import MATERIAL, PUBLIC, offset_point
 from isophote.kernels.base.jit import device, kernel
 from isophote.kernels.base.vec import dot, maximum_component, vec3
 from isophote.kernels.base.warp import to_disk
+from isophote.kernels.brdf.contract import PARAMETERS
 from isophote.kernels.light.emitter import lamp_radiance
 from isophote.kernels.light.environment import environment_radiance
 from isophote.kernels.light.medium import attenuation, current_medium, medium_ior, surface_boundary
@@ -38,6 +39,8 @@ __all__ = ["ray_trace_tile"]
 _ZERO, _ONE = np.float32(0), np.float32(1)
 # Sampling dimensions beyond those of lights.
 _SCATTER, _PICK = np.int64(2**20), np.int64(2**20 + 1)
+# Column of `Materials.spans`.
+_OPENNESS = np.int64(4)
 
 open_scene, open_plan, open_film, open_wave = SCENE.open, PLAN.open, FILM.open, rows.WAVE.open
 open_tree, open_log = TREE.open, LOG.open
@@ -69,8 +72,18 @@ def _emitted(tables, surface, direction):
 
 
 @device
+def _openness(tables, surface, scratch):
+    """What an occlusion texture leaves of ambient light; the surface's parameters are in the scratch."""
+    materials, material = tables.materials, np.int64(tables.surfaces.items[surface.item, MATERIAL])
+    slot = np.int64(materials.spans[material, _OPENNESS])
+    at = PARAMETERS + 3 * slot
+    return scratch[at] + scratch[at + 3] if slot > 0 else _ONE
+
+
+@device
 def _ambient(tables, wave, i, surface):
-    """What a surface scatters of a constant sky with nothing in its way; of matte ones, colour times radiance."""
+    """What a surface scatters of a constant sky with nothing in its way but what an occlusion texture tells; of matte
+    ones, colour times radiance."""
     floats = tables.lights.environment.constant
     constant = vec3(floats[0], floats[1], floats[2])
     if maximum_component(constant) <= _ZERO:
@@ -80,7 +93,7 @@ def _ambient(tables, wave, i, surface):
     x, y = to_disk(u, v)
     _, weight, density = sample_material(tables, surface, x, y, pick, wave.scratch)
     # Single directions are branches of the tree.
-    return constant * weight if density > _ZERO else constant * _ZERO
+    return constant * weight * _openness(tables, surface, wave.scratch) if density > _ZERO else constant * _ZERO
 
 
 @device
