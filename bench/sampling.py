@@ -47,7 +47,7 @@ def _smooth_lens() -> iso.Scene:
     """A gradient behind a wide lens: the film, the lens and a light, six dimensions in all."""
     x = np.linspace(0, 2 * np.pi, 256)
     pattern = 0.5 + 0.2 * (np.sin(x)[:, None] + np.cos(2 * x)[None, :])
-    texture = iso.Texture(np.repeat(pattern[..., None], 3, axis=2).astype(np.float32))
+    texture = iso.ImageTexture(np.repeat(pattern[..., None], 3, axis=2).astype(np.float32))
     corners, uv = [(-4, 0, -4), (-4, 0, 4), (4, 0, 4), (4, 0, -4)], [(0, 1), (0, 0), (1, 0), (1, 1)]
     floor = iso.Mesh(corners, [(0, 1, 2, 3)], attributes={"uv": uv})
     camera = iso.Camera((0, 5, 1), (0, 0, 0), fov_degrees=50, lens_radius=0.3, focus_distance=2)

@@ -42,7 +42,7 @@ def normals(points, sides):
 def floor(reach, stripes=16):
     """A square floor with a striped texture."""
     corners = [(-reach, 0, reach), (reach, 0, reach), (reach, 0, -reach), (-reach, 0, -reach)]
-    texture = iso.Texture(np.array([[(168, 160, 146), (96, 108, 112)]], np.uint8), filter="nearest")
+    texture = iso.ImageTexture(np.array([[(168, 160, 146), (96, 108, 112)]], np.uint8), filter="nearest")
     square = np.array([(0, 0), (stripes, 0), (stripes, stripes), (0, stripes)])
     return iso.Item(iso.Mesh(corners, [(0, 1, 2, 3)], attributes={"uv": square}), iso.Matte(texture))
 

@@ -36,7 +36,7 @@ def floor(reach, squares=28):
     corners = [(-reach, 0, reach), (reach, 0, reach), (reach, 0, -reach), (-reach, 0, -reach)]
     tiles = np.array([[(168, 164, 156), (104, 104, 108)], [(104, 104, 108), (168, 164, 156)]], np.uint8)
     square = np.array([(0, 0), (squares, 0), (squares, squares), (0, squares)]) / 2
-    material = iso.Plastic(iso.Texture(tiles, filter="nearest"), roughness=0.45)
+    material = iso.Plastic(iso.ImageTexture(tiles, filter="nearest"), roughness=0.45)
     return iso.Item(iso.Mesh(corners, [(0, 1, 2, 3)], attributes={"uv": square}), material)
 
 

@@ -10,9 +10,9 @@ import numpy as np
 
 import isophote as iso
 
-TILES = iso.Texture(np.array([[(176, 168, 154), (120, 130, 134)], [(120, 130, 134), (176, 168, 154)]], np.uint8),
+TILES = iso.ImageTexture(np.array([[(176, 168, 154), (120, 130, 134)], [(120, 130, 134), (176, 168, 154)]], np.uint8),
                     filter="nearest")  # fmt: skip
-STRIPES = iso.Texture(np.array([[(214, 92, 60), (240, 226, 200)] * 8], np.uint8), filter="nearest")
+STRIPES = iso.ImageTexture(np.array([[(214, 92, 60), (240, 226, 200)] * 8], np.uint8), filter="nearest")
 
 
 def star(radius, inner, count=5):

@@ -20,7 +20,7 @@ FLOOR = iso.Mesh(
 
 scene = iso.Scene(
     items=[
-        iso.Item(FLOOR, iso.Matte(iso.Texture(SQUARES, filter="nearest")), name="floor"),
+        iso.Item(FLOOR, iso.Matte(iso.ImageTexture(SQUARES, filter="nearest")), name="floor"),
         iso.Item(iso.sphere(0.75), iso.Glass(1.5)).translate((-0.35, 1.25, 0.6)),
         iso.Item(iso.sphere(0.8), iso.Mirror((0.8, 0.8, 0.85))).translate((1.15, 0.95, -0.9)),
     ],

@@ -11,7 +11,7 @@ import numpy as np
 
 import isophote as iso
 
-chequers = iso.Texture(
+chequers = iso.ImageTexture(
     np.kron(np.indices((16, 16)).sum(axis=0) % 2, np.ones((8, 8)))[..., None].astype(np.float32) * 0.5 + 0.3
 )
 CORNERS = [(-1, 0, -1), (-1, 0, 1), (1, 0, 1), (1, 0, -1)]
@@ -50,7 +50,7 @@ def zone_plate(name, edge=130):
     n = 12 * edge
     y, x = (np.mgrid[:n, :n] + 0.5) / n * 2 - 1
     rings = 0.5 + 0.5 * np.cos(np.pi * edge / 2 * (x * x + y * y))
-    plate = iso.Item(square, iso.Matte(iso.Texture(rings[..., None].astype(np.float32))))
+    plate = iso.Item(square, iso.Matte(iso.ImageTexture(rings[..., None].astype(np.float32))))
     above = iso.OrthographicCamera((0, 3, 0), (0, 0, 0), up=(0, 0, -1), height=2)
     seen = iso.Scene([plate], [iso.Sky()], above)
     return iso.render(seen, iso.PathTrace(128, max_depth=2, filter=name), size=(edge, edge)).channels["colour"]

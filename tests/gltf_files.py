@@ -13,9 +13,9 @@ import pytest
 
 from isophote import (
     FileError,
+    ImageTexture,
     Mesh,
     Scene,
-    Texture,
     load_scene,
     save,
 )
@@ -31,8 +31,8 @@ needs_models = pytest.mark.skipif(not MODELS.exists(), reason="the shared models
 
 TRIANGLE = Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
 ACCESSOR = {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}
-CHECKS = Texture(np.arange(48, dtype=np.uint8).reshape(4, 4, 3), name="checks", wrap="mirror", filter="nearest")
-ROUGH = Texture(np.arange(48, dtype=np.uint8).reshape(4, 4, 3)[::-1].copy(), "linear", wrap="clamp")
+CHECKS = ImageTexture(np.arange(48, dtype=np.uint8).reshape(4, 4, 3), name="checks", wrap="mirror", filter="nearest")
+ROUGH = ImageTexture(np.arange(48, dtype=np.uint8).reshape(4, 4, 3)[::-1].copy(), "linear", wrap="clamp")
 
 
 def document(**parts: Any) -> Json:

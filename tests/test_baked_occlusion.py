@@ -207,7 +207,7 @@ def test_the_command_makes_new_coordinates_where_it_may(tmp_path: Path) -> None:
     assert item.shape.uvs is not None
     assert 0 <= item.shape.uvs.values.min() < item.shape.uvs.values.max() <= 1
     out.unlink()
-    checker = iso.Texture(np.array([[0, 255], [255, 0]], np.uint8))
+    checker = iso.ImageTexture(np.array([[0, 255], [255, 0]], np.uint8))
     iso.save(iso.Scene([iso.Item(tiled, iso.Principled("white", colour_texture=checker))]), model)
     assert "textures" in refuses("bake", model, *settings, "--unwrap")
     assert not out.exists()

@@ -87,7 +87,7 @@ def test_ids_of_polygons_items_and_lights_are_exact():
 def test_albedo_shows_the_texels_of_a_texture(wrap, pixels):
     rng = np.random.default_rng(2)
     values = rng.integers(0, 256, (4, 3, 3), np.uint8) if pixels == "bytes" else rng.random((4, 3, 3), np.float32)
-    texture = iso.Texture(values, wrap=wrap, filter="nearest")
+    texture = iso.ImageTexture(values, wrap=wrap, filter="nearest")
     linear = values.astype(np.float64)
     if pixels == "bytes":
         c = values / 255
@@ -112,7 +112,7 @@ def test_albedo_shows_the_texels_of_a_texture(wrap, pixels):
 
 
 def test_bilinear_texture_on_a_ramp():
-    texture = iso.Texture(np.array([[[0.0] * 3, [1.0] * 3]], np.float32), wrap="clamp")
+    texture = iso.ImageTexture(np.array([[[0.0] * 3, [1.0] * 3]], np.float32), wrap="clamp")
     mesh = iso.Mesh(
         plane(2).vertices, plane(2).faces, attributes={"uv": np.array([(0, 1), (0, 0), (1, 0), (1, 1)], float)}
     )
@@ -144,7 +144,7 @@ def instance_scene(shared: bool) -> list[iso.Item]:
     sphere = icosphere(5, 0.4, smooth=True)
     attributes = {"normal": sphere.normals, "uv": sphere.vertices[:, :2] * 3}
     materials = [
-        iso.Matte(iso.Texture(np.random.default_rng(1).random((8, 8, 3), np.float32), filter="nearest")),
+        iso.Matte(iso.ImageTexture(np.random.default_rng(1).random((8, 8, 3), np.float32), filter="nearest")),
         iso.Mirror((0.9, 0.8, 0.7)),
         iso.Matte((0.9, 0.1, 0.1)),
         iso.Emitter((2, 1, 0.5)),

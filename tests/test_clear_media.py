@@ -236,7 +236,7 @@ def test_both_tracers_see_the_same_glass(depth):
         iso.Item(icosphere(2, 0.2), iso.Mirror(0.8)).translate((0.2, -0.4, 0.2)),
     ]
     pixels = np.linspace(0.1, 2, 8 * 16 * 3).reshape(8, 16, 3).astype(np.float32)
-    lights = [iso.Environment(iso.Texture(pixels))]
+    lights = [iso.Environment(iso.ImageTexture(pixels))]
     ours = ray_trace(items, lights, size=(20, 20), samples=64, depth=depth, min_weight=0)
     path = ray_trace(items, lights, size=(20, 20), method=iso.PathTrace(samples=1024, max_depth=depth), seed=7)
     difference = colour(ours) - colour(path)

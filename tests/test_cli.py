@@ -175,7 +175,7 @@ def test_info_of_a_scene(tmp_path: Path) -> None:
     text = (
         "import isophote as iso\n"
         "mesh = iso.Mesh([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [(0, 1, 2, 3)])\n"
-        "texture = iso.Texture([[0.5]])\n"
+        "texture = iso.ImageTexture([[0.5]])\n"
         "items = [iso.Item(mesh).translate((i, 0, 0)) for i in range(3)]\n"
         "items += [iso.Item(iso.Mesh(mesh.vertices, mesh.faces), iso.Matte(texture))]\n"
         "scene = iso.Scene(items, [iso.Sky(), iso.Sun((0, 1, 0)), iso.Sky()], name='four')\n"

@@ -10,7 +10,7 @@ import pytest
 
 import isophote as iso
 from command_line import run
-from isophote.scene.texture import Texture
+from isophote.scene.image_texture import ImageTexture
 
 WIDTH = 0.1
 
@@ -59,7 +59,7 @@ def test_angles_without_meaning_are_refused() -> None:
 
 def _column(item: iso.Item) -> np.ndarray:
     uvs = item.shape.uvs.values[:, 0]
-    assert isinstance(item.material.colour, Texture)
+    assert isinstance(item.material.colour, ImageTexture)
     return item.material.colour.pixels[0][np.rint(uvs * 256 - 0.5).astype(int)]
 
 

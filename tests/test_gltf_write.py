@@ -21,11 +21,11 @@ from gltf_files import (
 )
 from isophote import (
     FileError,
+    ImageTexture,
     IsophoteWarning,
     Item,
     Mesh,
     Scene,
-    Texture,
     Transform,
     load_mesh,
     load_scene,
@@ -77,19 +77,19 @@ def test_every_material_comes_back(tmp_path: Path) -> None:
 @pytest.mark.parametrize("shape", [(4, 5), (4, 5, 3), (4, 5, 4)])
 def test_textures_come_back_bit_for_bit(shape: tuple[int, ...], tmp_path: Path) -> None:
     pixels = np.random.default_rng(1).integers(0, 256, shape).astype(np.uint8)
-    scene = Scene([Item(TRIANGLE, iso.Matte(Texture(pixels)))])
+    scene = Scene([Item(TRIANGLE, iso.Matte(ImageTexture(pixels)))])
     (item,) = there_and_back(scene, tmp_path).items
     assert isinstance(item.material, iso.Matte)
-    assert isinstance(item.material.colour, Texture)
+    assert isinstance(item.material.colour, ImageTexture)
     assert np.array_equal(item.material.colour.pixels, pixels)
 
 
 def test_float_textures_become_the_nearest_bytes_with_a_warning(tmp_path: Path) -> None:
-    scene = Scene([Item(TRIANGLE, iso.Matte(Texture(np.array([[0.0, 0.5, 2.0]], np.float32))))])
+    scene = Scene([Item(TRIANGLE, iso.Matte(ImageTexture(np.array([[0.0, 0.5, 2.0]], np.float32))))])
     with pytest.warns(IsophoteWarning, match="8-bit srgb"):
         (item,) = there_and_back(scene, tmp_path).items
     assert isinstance(item.material, iso.Matte)
-    assert isinstance(item.material.colour, Texture)
+    assert isinstance(item.material.colour, ImageTexture)
     assert item.material.colour.pixels.tolist() == [[0, 188, 255]]
 
 

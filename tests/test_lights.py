@@ -294,7 +294,7 @@ def test_chances_of_very_many_lights_are_whole_multiples_of_the_steps_of_random_
 
 
 def sky_of(pixels: np.ndarray, rotation: float = 0.0, constant: float = 0.0) -> Packed:
-    lights = [iso.Environment(iso.Texture(pixels.astype(np.float32)), rotation=rotation)]
+    lights = [iso.Environment(iso.ImageTexture(pixels.astype(np.float32)), rotation=rotation)]
     if constant:
         lights.append(iso.Sky(strength=constant))
     return table_of(*lights).arrays["environment"]
@@ -375,7 +375,7 @@ def test_a_sun_in_a_picture_over_a_pale_sky_leaves_no_direction_without_density(
     """Shares of dark texels vanish beside a sun's; samples that rounding throws there must not count as exact."""
     picture = np.full((256, 512, 3), 1e-3)
     picture[60, 100] = 1e7
-    lights = table_of(iso.Environment(iso.Texture(picture.astype(np.float32))))
+    lights = table_of(iso.Environment(iso.ImageTexture(picture.astype(np.float32))))
     samples = Samples(lights, 0, (0.0, 0.0, 0.0))
     assert not (samples.density == 0).any()
     arrives = samples.density > 0

@@ -87,7 +87,7 @@ def _fields(material: iso.Material) -> dict[str, object]:
 
 
 def test_textures_beyond_one_are_taken_as_they_are() -> None:
-    bright = iso.Texture(np.full((1, 1, 3), 3.0, np.float32))
+    bright = iso.ImageTexture(np.full((1, 1, 3), 3.0, np.float32))
     assert iso.Matte(bright).colour is bright
 
 
@@ -95,7 +95,7 @@ def test_the_nearest_of_what_gltf_cannot_say() -> None:
     gold = nearest_principled(iso.Coated(iso.Metal("gold", 0.5), 0.2))
     assert (gold.metallic, gold.roughness) == (1.0, 0.2)
     assert gold.colour[0] > 2 * gold.colour[2]
-    texture = iso.Texture(np.full((1, 1, 3), 100, np.uint8))
+    texture = iso.ImageTexture(np.full((1, 1, 3), 100, np.uint8))
     assert nearest_principled(iso.Mix(iso.Matte(texture), iso.Mirror(), 0.3)).colour_texture is texture
     shining = nearest_principled(iso.Emitter((3, 2, 1), True, iso.Plastic("red", 0.4)))
     assert (shining.emission, shining.two_sided, shining.roughness) == ((3, 2, 1), True, 0.4)
@@ -104,6 +104,6 @@ def test_the_nearest_of_what_gltf_cannot_say() -> None:
 
 
 def test_textures_inside_materials_are_counted() -> None:
-    a, b = (iso.Texture(np.full((1, 1, 3), value, np.uint8)) for value in (1, 2))
+    a, b = (iso.ImageTexture(np.full((1, 1, 3), value, np.uint8)) for value in (1, 2))
     material = iso.Emitter(1, body=iso.Mix(iso.Coated(iso.Matte(a)), iso.Metal("gold", (0.2, b)), a))
     assert {id(texture) for texture in textures_of(material)} == {id(a), id(b)}

@@ -144,7 +144,7 @@ def test_emitters_with_a_body_shine_and_reflect() -> None:
 
 def test_textures_reach_every_slot() -> None:
     halves = np.array([[[0.2] * 3, [0.8] * 3]], np.float32)
-    texture = iso.Texture(halves, filter="nearest")
+    texture = iso.ImageTexture(halves, filter="nearest")
     at = (1.1, 1.2, -1.3)
     for start, level in ((0.0, 0.2), (0.5, 0.8)):
         uvs = [(start + 0.1 + 0.3 * u, v) for u, v in ALONG_X]

@@ -17,7 +17,7 @@ def square(**attributes: object) -> iso.Mesh:
 
 
 def test_materials_names_and_polygons_come_back(tmp_path: Path) -> None:
-    picture = iso.Texture(np.arange(48, dtype=np.uint8).reshape(4, 4, 3), wrap="clamp")
+    picture = iso.ImageTexture(np.arange(48, dtype=np.uint8).reshape(4, 4, 3), wrap="clamp")
     uv = np.array(QUAD, float)[:, :2]
     items = [
         iso.Item(square(), iso.Matte((0.1, 0.25, 0.7)), name="wall"),
@@ -37,7 +37,7 @@ def test_materials_names_and_polygons_come_back(tmp_path: Path) -> None:
         if given.name != "picture on it":
             assert item.material == given.material
     texture = back.items[1].material.colour  # type: ignore[union-attr]
-    assert isinstance(texture, iso.Texture)
+    assert isinstance(texture, iso.ImageTexture)
     assert np.array_equal(texture.pixels, picture.pixels)
     assert texture.wrap == "clamp"
 

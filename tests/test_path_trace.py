@@ -112,7 +112,7 @@ def test_irradiance_of_a_picture_of_the_sky(strategy, monkeypatch):
     height, width = 32, 64
     pixels = np.full((height, width, 3), 0.05, np.float32)
     pixels[8, 20] = (90, 60, 30)
-    lights: list[object] = [iso.Environment(iso.Texture(pixels), rotation=0.4)]
+    lights: list[object] = [iso.Environment(iso.ImageTexture(pixels), rotation=0.4)]
     if strategy != "both":
         lights.insert(0, iso.PointLight((0, 1, 0), 0.0))
         monkeypatch.setattr(

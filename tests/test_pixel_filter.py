@@ -185,7 +185,7 @@ def zone_plate(filter_name: str) -> np.ndarray:
     n, size = 1536, 96
     y, x = (np.mgrid[:n, :n] + 0.5) / n * 2 - 1
     rings = 0.5 + 0.5 * np.cos(np.pi * size / 2 * (x * x + y * y))
-    texture = iso.Texture(np.repeat(rings[..., None], 3, axis=2).astype(np.float32))
+    texture = iso.ImageTexture(np.repeat(rings[..., None], 3, axis=2).astype(np.float32))
     corners = [(-1, 0, -1), (-1, 0, 1), (1, 0, 1), (1, 0, -1)]
     floor = iso.Mesh(corners, [(0, 1, 2, 3)], attributes={"uv": [(0, 1), (0, 0), (1, 0), (1, 1)]})
     camera = iso.OrthographicCamera((0, 3, 0), (0, 0, 0), up=(0, 0, -1), height=2)

@@ -245,7 +245,7 @@ def test_texture_coordinates_and_parts(case: int) -> None:
 def test_textures_lie_as_they_say() -> None:
     """A disk with a picture of four colours, seen from above with −z up."""
     texels = np.array([[[255, 0, 0], [0, 255, 0]], [[0, 0, 255], [255, 255, 255]]], np.uint8)
-    picture = iso.Texture(texels, "linear", filter="nearest")
+    picture = iso.ImageTexture(texels, "linear", filter="nearest")
     camera = iso.OrthographicCamera((0, 2, 0), (0, 0, 0), up=(0, 0, -1), height=1.0)
     item = iso.Item(iso.Disk(1.0), iso.Matte(picture))
     albedo = iso.render(iso.Scene([item], [iso.Sky()], camera), iso.PathTrace(1), size=(2, 2)).channels["albedo"]

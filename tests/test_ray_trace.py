@@ -39,7 +39,7 @@ def shining_mesh() -> iso.Item:
 
 def environment() -> iso.Environment:
     pixels = np.random.default_rng(3).random((8, 16, 3)).astype(np.float32) ** 4
-    return iso.Environment(iso.Texture(pixels))
+    return iso.Environment(iso.ImageTexture(pixels))
 
 
 @pytest.mark.parametrize(
@@ -103,7 +103,7 @@ def test_light_by_two_mirrors():
 def test_smooth_metal_reflects_by_fresnels_equations():
     n, k = (0.2, 0.9, 1.4), (3.9, 2.4, 1.6)
     metal = iso.Item(plane(4), iso.Metal((n, k), roughness=0))
-    sky = [iso.Environment(iso.Texture(np.ones((1, 1, 3), np.float32)))]
+    sky = [iso.Environment(iso.ImageTexture(np.ones((1, 1, 3), np.float32)))]
     for degrees in (0.0, 40.0, 75.0):
         angle = np.radians(degrees)
         start = 3 * np.array([np.sin(angle), np.cos(angle), 0])

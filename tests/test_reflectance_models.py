@@ -208,11 +208,11 @@ def test_mixes_are_linear() -> None:
 
 
 def test_textures_multiply_parameters() -> None:
-    half = iso.Texture(np.full((2, 2, 3), 0.5, np.float32))
+    half = iso.ImageTexture(np.full((2, 2, 3), 0.5, np.float32))
     same(found(iso.Phong(half, half, half)), found(iso.Phong(0.5, 0.5, 0.5)))
     same(found(iso.Metal("gold", half)), found(iso.Metal("gold", 0.5)))
     same(found(iso.Mix(iso.Matte(half), iso.Matte("red"), half)), found(iso.Mix(iso.Matte(0.5), iso.Matte("red"), 0.5)))
-    channels = iso.Texture(np.broadcast_to(np.array([0.1, 0.6, 0.3], np.float32), (1, 1, 3)).copy())
+    channels = iso.ImageTexture(np.broadcast_to(np.array([0.1, 0.6, 0.3], np.float32), (1, 1, 3)).copy())
     same(
         found(iso.Principled("red", 1.0, 1.0, metallic_roughness_texture=channels)),
         found(iso.Principled("red", metallic=0.3, roughness=0.6)),

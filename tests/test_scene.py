@@ -19,6 +19,7 @@ from isophote import (
     Emitter,
     Environment,
     Glass,
+    ImageTexture,
     Item,
     Matte,
     Mesh,
@@ -31,7 +32,6 @@ from isophote import (
     Sky,
     SphereLight,
     Sun,
-    Texture,
     Transform,
     studio,
 )
@@ -39,8 +39,8 @@ from isophote.scene.light import direction_to_uv, uv_to_direction
 
 MODELS = Path(__file__).parents[1] / "../shared/models"
 TRIANGLE = Mesh([(0, 0, 0), (1, 0, 0), (0, 2, 3)], [(0, 1, 2)])
-PICTURE = Texture([[[0, 128, 255], [1, 2, 3]]], wrap="clamp", name="two pixels")
-GREY_MAP = Texture(np.ones((2, 4, 3), np.float32))
+PICTURE = ImageTexture([[[0, 128, 255], [1, 2, 3]]], wrap="clamp", name="two pixels")
+GREY_MAP = ImageTexture(np.ones((2, 4, 3), np.float32))
 
 
 VALUES = [
@@ -58,7 +58,7 @@ VALUES = [
     SphereLight(0.3, power=3).at((1, 1, 1)),
     Sky("skyblue", 0.3),
     Environment(PICTURE, 2, rotation=1.5),
-    Texture(np.float32([[0.1, 0.2], [0.3, 40]]), filter="nearest"),
+    ImageTexture(np.float32([[0.1, 0.2], [0.3, 40]]), filter="nearest"),
     Item(TRIANGLE, Matte(0.5), name="a triangle").rotate("y", 0.3),
     Scene([Item(TRIANGLE)], [Sky()], Camera((0, 0, 5), (0, 0, 0)), "one"),
 ]
@@ -77,7 +77,7 @@ def test_descriptions_are_values(value):
 
 def test_other_values_are_not_equal():
     assert len(set(VALUES)) == len(VALUES)
-    assert Texture(np.zeros((2, 2), np.uint8)) != Texture(np.zeros((2, 2), np.float32))
+    assert ImageTexture(np.zeros((2, 2), np.uint8)) != ImageTexture(np.zeros((2, 2), np.float32))
     assert Matte(PICTURE) != Matte(attrs.evolve(PICTURE, wrap="repeat"))
 
 
@@ -106,7 +106,7 @@ def test_other_values_are_not_equal():
         ("apart", lambda: RectLight().at((0, 1, 0), (0, 1, 0))),
         ("Sky: strength", lambda: Sky(strength=-1)),
         ("Environment: texture", lambda: Environment("studio.hdr")),
-        ("negative", lambda: Environment(Texture(np.float32([[-1.0]])))),
+        ("negative", lambda: Environment(ImageTexture(np.float32([[-1.0]])))),
         ("load_mesh", lambda: Item("bunny.obj")),
         ("Item: shape", lambda: Item(Item(TRIANGLE))),
         ("Item: shape", lambda: Item(Mesh)),
@@ -119,16 +119,16 @@ def test_other_values_are_not_equal():
         (r"lights\[0\] must be a light", lambda: Scene([], [Item(TRIANGLE)])),
         ("Scene: camera", lambda: Scene([], [], (0, 0, 5))),
         ("no bounds", lambda: Scene([]).bounds),
-        ("pixel", lambda: Texture(np.zeros((0, 4, 3), np.uint8))),
-        ("pixels must be", lambda: Texture(np.zeros((4, 4, 2), np.uint8))),
-        ("pixels must be", lambda: Texture(np.zeros(4, np.uint8))),
-        ("uint8", lambda: Texture(np.zeros((4, 4), np.uint16))),
-        ("uint8", lambda: Texture([[0, 256]])),
-        ("row 1, column 0", lambda: Texture(np.float32([[0, 1], [np.nan, 1]]))),
-        ("row 0, column 1", lambda: Texture(np.array([[0, 1e300]]))),
-        ("regular", lambda: Texture([[1, 2], [3]])),
-        ("Texture: colour_space", lambda: Texture([[1]], "sRGB")),
-        ("Texture: wrap", lambda: Texture([[1]], wrap=3)),
+        ("pixel", lambda: ImageTexture(np.zeros((0, 4, 3), np.uint8))),
+        ("pixels must be", lambda: ImageTexture(np.zeros((4, 4, 2), np.uint8))),
+        ("pixels must be", lambda: ImageTexture(np.zeros(4, np.uint8))),
+        ("uint8", lambda: ImageTexture(np.zeros((4, 4), np.uint16))),
+        ("uint8", lambda: ImageTexture([[0, 256]])),
+        ("row 1, column 0", lambda: ImageTexture(np.float32([[0, 1], [np.nan, 1]]))),
+        ("row 0, column 1", lambda: ImageTexture(np.array([[0, 1e300]]))),
+        ("regular", lambda: ImageTexture([[1, 2], [3]])),
+        ("ImageTexture: colour_space", lambda: ImageTexture([[1]], "sRGB")),
+        ("ImageTexture: wrap", lambda: ImageTexture([[1]], wrap=3)),
         ("studio takes", lambda: studio([])),
         ("studio takes", lambda: studio("bunny")),
         ("Item: shape", lambda: studio([3])),
@@ -150,12 +150,12 @@ def test_textures():
     assert PICTURE.channels == 3
     assert PICTURE.colour_space == "srgb"
     assert GREY_MAP.colour_space == "linear"
-    assert Texture(np.zeros((3, 2), np.float64)).pixels.dtype == np.float32
-    missing = Texture.missing("wood.png")
+    assert ImageTexture(np.zeros((3, 2), np.float64)).pixels.dtype == np.float32
+    missing = ImageTexture.missing("wood.png")
     assert missing.pixels.tolist() == [[[255, 0, 255]]]
     assert missing.name == "wood.png"
     given = np.zeros((2, 2, 4), np.uint8)
-    texture = Texture(given)
+    texture = ImageTexture(given)
     given[:] = 9
     assert not texture.pixels.any()
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from PIL import Image as Pillow
 
 import isophote as iso
-from isophote import FileError, IsophoteWarning, Mesh, Texture, load_mesh, load_scene, save
+from isophote import FileError, ImageTexture, IsophoteWarning, Mesh, load_mesh, load_scene, save
 from isophote.io.mtl import MtlMaterial, parse_mtl
 from mesh_files import MODELS
 
@@ -107,7 +107,7 @@ def test_names_of_textures_follow_their_options_and_may_have_blanks(options: str
     Pillow.new("RGB", (2, 1), (10, 20, 30)).save(tmp_path / "my picture.png")
     found = material(tmp_path, f"map_Kd {options}my picture.png")
     assert isinstance(found, iso.Matte)
-    assert isinstance(found.colour, Texture)
+    assert isinstance(found.colour, ImageTexture)
     assert found.colour.pixels.tolist() == [[[10, 20, 30]] * 2]
     assert found.colour.wrap == ("clamp" if "-clamp" in options else "repeat")
 
@@ -115,7 +115,7 @@ def test_names_of_textures_follow_their_options_and_may_have_blanks(options: str
 def test_what_is_missing_is_told_and_replaced(tmp_path: Path) -> None:
     with pytest.warns(IsophoteWarning, match=r"none\.png.*magenta"):
         found = material(tmp_path, "map_Kd none.png")
-    assert found == iso.Matte(Texture.missing("none.png"))
+    assert found == iso.Matte(ImageTexture.missing("none.png"))
     with pytest.warns(IsophoteWarning, match='no material "b"'):
         assert obj_scene(tmp_path, "newmtl a\n").items[1].material == iso.Matte()
     (tmp_path / "y.obj").write_text("mtllib none.mtl\n" + OBJ.partition("\n")[2].format("a", "a"))
@@ -161,7 +161,7 @@ def test_the_cornell_box_has_its_lamp_and_coloured_walls() -> None:
 def test_a_texture_with_a_blank_in_its_name_is_found() -> None:
     (item,) = load_scene(MODELS / "textured/fuze.obj", strict=True).items
     assert isinstance(item.material, iso.Matte)
-    assert isinstance(item.material.colour, Texture)
+    assert isinstance(item.material.colour, ImageTexture)
     assert item.material.colour.size == (1024, 1024)
     assert item.shape.face_count == 1000  # type: ignore[attr-defined]
 

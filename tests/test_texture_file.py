@@ -15,7 +15,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from PIL import Image as Pillow
 
-from isophote import Error, FileError, IsophoteWarning, SceneError, Texture, load_texture
+from isophote import Error, FileError, ImageTexture, IsophoteWarning, SceneError, load_texture
 from isophote.io.exr import write_exr
 from isophote.io.radiance import decode_radiance
 from isophote.io.texture_file import decode_picture
@@ -192,7 +192,7 @@ def test_grey_of_16_bits_keeps_its_levels() -> None:
 def test_floats_are_linear_and_the_colour_space_can_be_said(tmp_path: Path) -> None:
     path = tmp_path / "a.tif"
     Pillow.fromarray(np.array([[0.25, 7.5]], np.float32)).save(path)
-    assert load_texture(path) == Texture(np.array([[0.25, 7.5]], np.float32), "linear", name="a.tif")
+    assert load_texture(path) == ImageTexture(np.array([[0.25, 7.5]], np.float32), "linear", name="a.tif")
     (tmp_path / "n.png").write_bytes(stored(Pillow.new("RGB", (1, 1), (128, 128, 255))))
     assert load_texture(tmp_path / "n.png", colour_space="linear").colour_space == "linear"
     with pytest.raises(SceneError, match="wrap"):

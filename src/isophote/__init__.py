@@ -35,6 +35,7 @@ _HOME = {
     "Glass": "scene.material",
     "Hits": "rendering.tracer",
     "Image": "rendering.image",
+    "ImageTexture": "scene.image_texture",
     "IsophoteWarning": "errors",
     "Item": "scene.scene",
     "Material": "scene.material_base",

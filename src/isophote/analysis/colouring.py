@@ -8,9 +8,9 @@ import numpy as np
 import numpy.typing as npt
 
 from isophote.errors import GeometryError
+from isophote.scene.image_texture import ImageTexture
 from isophote.scene.material import Matte
 from isophote.scene.scene import Item
-from isophote.scene.texture import Texture
 from isophote.shapes.mesh import Attribute, Mesh
 
 __all__ = ["coloured"]
@@ -52,7 +52,7 @@ def coloured(
     # Centres of the first and the last pixel are the ends of the scale.
     u = (0.5 + place * (_STEPS - 1)) / _STEPS
     shown = mesh.with_(attributes={"uv": Attribute(np.stack([u, np.full_like(u, 0.5)], 1))})
-    return Item(shown, Matte(Texture(_strip(scale), "linear", wrap="clamp")), name=name)
+    return Item(shown, Matte(ImageTexture(_strip(scale), "linear", wrap="clamp")), name=name)
 
 
 def _limits(values: Floats, scale: str) -> tuple[float, float]:

@@ -16,10 +16,10 @@ from isophote.io.obj_read import parse_obj
 from isophote.io.source import read_source
 from isophote.io.texture_file import load_texture
 from isophote.scene.colour import Colour
+from isophote.scene.image_texture import ImageTexture
 from isophote.scene.material import Emitter, Glass, Matte, Mirror
 from isophote.scene.material_base import Material
 from isophote.scene.scene import Item, Scene
-from isophote.scene.texture import Texture
 from isophote.shapes.mesh import Attribute, FaceLabels, Mesh
 
 __all__ = ["read_obj_scene"]
@@ -84,7 +84,7 @@ class _Materials:
     path: Path
     library: dict[str, MtlMaterial]
     strict: bool
-    _textures: dict[tuple[str, bool], Texture] = attrs.field(init=False, factory=dict)
+    _textures: dict[tuple[str, bool], ImageTexture] = attrs.field(init=False, factory=dict)
 
     def material(self, name: str) -> Material:
         """What the library says of a material."""
@@ -112,18 +112,18 @@ class _Materials:
         red, green, blue = (min(channel, 1.0) for channel in colour)
         return red, green, blue
 
-    def _texture(self, name: str, clamped: bool) -> Texture:
+    def _texture(self, name: str, clamped: bool) -> ImageTexture:
         if (name, clamped) not in self._textures:
             self._textures[name, clamped] = self._read(name, clamped)
         return self._textures[name, clamped]
 
-    def _read(self, name: str, clamped: bool) -> Texture:
+    def _read(self, name: str, clamped: bool) -> ImageTexture:
         try:
             return load_texture(self.path.parent / name.replace("\\", "/"), wrap="clamp" if clamped else "repeat")
         except FileError as error:
             reason = f'the texture "{name}" cannot be read ({error.reason})'
             _complain(self.path, reason, self.strict, "; magenta stands for it")
-            return Texture.missing(name)
+            return ImageTexture.missing(name)
 
 
 def _without_materials(mesh: Mesh) -> Mesh:

@@ -13,8 +13,9 @@ import numpy.typing as npt
 from isophote.errors import FileError, IsophoteWarning
 from isophote.io.files import StrPath, write_bytes
 from isophote.io.obj_write import encode_obj
-from isophote.io.texture_png import encode_texture
+from isophote.io.texture_png import encode_texture, picture_of
 from isophote.scene.colour import Colour
+from isophote.scene.image_texture import ImageTexture
 from isophote.scene.material import Emitter, Glass, Mirror
 from isophote.scene.material_base import Material
 from isophote.scene.nearest import nearest_principled
@@ -43,9 +44,9 @@ def write_obj_scene(path: StrPath, scene: Scene) -> None:
     if lost:
         warnings.warn(f"{fspath(path)}: OBJ has no place for {', '.join(lost)}", IsophoteWarning, stacklevel=4)
     names = _names(scene.items)
-    pictures: dict[Texture, str] = {}
+    pictures: dict[ImageTexture, str] = {}
     library = "".join(
-        f"newmtl {name}\n{_statements(item.material, target.stem, pictures)}\n"
+        f"newmtl {name}\n{_statements(item.material, target, pictures)}\n"
         for name, item in zip(names, scene.items, strict=True)
     )
     data = encode_obj(_joined(path, scene.items, names), path, materials=f"{target.stem}.mtl")
@@ -77,7 +78,7 @@ def _triple(keyword: str, values: Colour) -> str:
     return f"{keyword} {values[0]!r} {values[1]!r} {values[2]!r}\n"
 
 
-def _statements(material: Material, stem: str, pictures: dict[Texture, str]) -> str:
+def _statements(material: Material, path: Path, pictures: dict[ImageTexture, str]) -> str:
     """A material as the reader understands it; `pictures` gathers the files of textures."""
     if isinstance(material, Emitter):
         return _triple("Kd", (0.0, 0.0, 0.0)) + _triple("Ke", material.radiance) + f"illum {_DIFFUSE}\n"
@@ -85,10 +86,11 @@ def _statements(material: Material, stem: str, pictures: dict[Texture, str]) -> 
         return _triple("Kd", (0.0, 0.0, 0.0)) + _triple("Ks", material.colour) + f"illum {_MIRROR}\n"
     if isinstance(material, Glass):
         return _triple("Tf", material.colour) + f"Ni {material.ior!r}\nd 0.0\nillum {_GLASS}\n"
-    colour, texture = _diffuse(material)
+    colour, given = _diffuse(material)
+    texture = picture_of(given, path)
     text = _triple("Kd", colour) + f"illum {_DIFFUSE}\n"
     if texture is not None:
-        file = pictures.setdefault(texture, f"{stem}_{len(pictures)}.png")
+        file = pictures.setdefault(texture, f"{path.stem}_{len(pictures)}.png")
         text += f"map_Kd {'-clamp on ' if texture.wrap == 'clamp' else ''}{file}\n"
     return text
 

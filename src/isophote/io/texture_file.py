@@ -18,7 +18,7 @@ from isophote.io.exr import EXR_MAGIC, read_exr
 from isophote.io.files import StrPath
 from isophote.io.radiance import RADIANCE_MAGIC, decode_radiance
 from isophote.io.source import read_source
-from isophote.scene.texture import Texture
+from isophote.scene.image_texture import ImageTexture
 
 __all__ = ["Decoded", "decode_picture", "load_texture"]
 
@@ -31,15 +31,15 @@ _BYTES_PER_BYTE = 4096
 
 
 class Decoded(NamedTuple):
-    """Pixels as `Texture` holds them, their colour space, and the texts that a PNG holds."""
+    """Pixels as `ImageTexture` holds them, their colour space, and the texts that a PNG holds."""
 
     pixels: Pixels
     colour_space: str
     text: dict[str, str]
 
 
-def load_texture(path: StrPath, *, colour_space: str | None = None, wrap: str = "repeat") -> Texture:
-    """Read a picture file as a `Texture`.
+def load_texture(path: StrPath, *, colour_space: str | None = None, wrap: str = "repeat") -> ImageTexture:
+    """Read a picture file as an `ImageTexture`.
 
     The kind is told by content: Radiance (.hdr) and OpenEXR give float32 pixels, linear; PNG, JPEG, WebP,
     TIFF, BMP, GIF, PPM, JPEG 2000 and TGA give uint8 pixels, sRGB, or float32 ones where the file has grey
@@ -56,7 +56,7 @@ def load_texture(path: StrPath, *, colour_space: str | None = None, wrap: str = 
         pixels, space = _exr_pixels(path), "linear"
     else:
         pixels, space, _ = decode_picture(data, path)
-    return Texture(pixels, colour_space or space, wrap, name=Path(path).name)
+    return ImageTexture(pixels, colour_space or space, wrap, name=Path(path).name)
 
 
 def decode_picture(data: bytes, path: StrPath, place: str = "") -> Decoded:

@@ -9,11 +9,10 @@ import numpy as np
 import numpy.typing as npt
 
 from isophote.kernels.base.table import Packed
-from isophote.kernels.light import bsdf, texture
+from isophote.kernels.light import bsdf
 from isophote.kernels.light.bsdf import MATERIALS
-from isophote.kernels.light.texture import TEXTURES
 from isophote.lower.node import Node, no_nodes
-from isophote.scene.colour import srgb_to_linear
+from isophote.lower.textures import TextureTable
 from isophote.scene.material import Emitter, Glass, Matte, Mirror, Principled
 from isophote.scene.material_base import ColourParameter, Material
 from isophote.scene.nearest import nearest_principled
@@ -23,9 +22,6 @@ __all__ = ["MaterialTable", "emission_of", "is_linked"]
 
 Floats: TypeAlias = npt.NDArray[np.float32]
 
-_WRAP = {"repeat": texture.REPEAT, "clamp": texture.CLAMP, "mirror": texture.MIRROR}
-_FILTER = {"bilinear": texture.BILINEAR, "nearest": texture.NEAREST}
-_FLOAT_TEXELS = 2
 _BLACK = (0.0, 0.0, 0.0)
 
 
@@ -95,7 +91,7 @@ class MaterialTable:
     def __init__(self, all_linked: bool = False) -> None:
         self._all_linked = all_linked
         self._numbers: dict[Material, int] = {}
-        self._textures: dict[Texture, int] = {}
+        self._textures = TextureTable()
 
     def number(self, material: Material) -> int:
         """Row of a material."""
@@ -109,7 +105,7 @@ class MaterialTable:
     def build(self) -> tuple[Packed, Packed]:
         """The tables of all materials that were numbered. Raises `SceneError` where one has too many parts."""
         rows = [_linked(material) if self._all_linked else _row(material) for material in self._numbers]
-        textures = [-1 if row.texture is None else self._texture(row.texture) for row in rows]
+        textures = [-1 if row.texture is None else self._textures.number(row.texture) for row in rows]
         values = [(*row.colour, *row.emission, row.ior, float(row.two_sided)) for row in rows]
         scatters = [row.kind == bsdf.MATTE if row.node is None else row.node.scatters for row in rows]
         materials = MATERIALS.pack(
@@ -120,7 +116,7 @@ class MaterialTable:
             branches=np.array([row.branches for row in rows], np.int32),
             **self._nodes([row.node for row in rows]),
         )
-        return materials, _lower_textures(tuple(self._textures))
+        return materials, self._textures.build()
 
     def _nodes(self, roots: Sequence[Node | None]) -> dict[str, Any]:
         if not any(roots):
@@ -128,33 +124,4 @@ class MaterialTable:
         # As in _linked.
         from isophote.lower.node_table import NodeTable
 
-        return NodeTable(self._texture).add_all(roots)
-
-    def _texture(self, image: Texture) -> int:
-        return self._textures.setdefault(image, len(self._textures))
-
-
-def _lower_textures(images: tuple[Texture, ...]) -> Packed:
-    codes = np.zeros((len(images), 6), np.int64)
-    small, large = [np.zeros((0, 3), np.uint8)], [np.zeros((0, 3), np.float32)]
-    starts = [0, 0]
-    for k, image in enumerate(images):
-        width, height = image.size
-        pixels = image.pixels.reshape(height, width, -1)
-        rgb = np.broadcast_to(pixels[..., :1], (height, width, 3)) if image.channels == 1 else pixels[..., :3]
-        rgb = rgb.reshape(-1, 3)
-        is_bytes = rgb.dtype == np.uint8
-        if not is_bytes and image.colour_space == "srgb":
-            rgb = srgb_to_linear(rgb)
-        row = int(image.colour_space == "linear") if is_bytes else _FLOAT_TEXELS
-        first = starts[0 if is_bytes else 1]
-        codes[k] = first, width, height, _WRAP[image.wrap], _FILTER[image.filter], row
-        (small if is_bytes else large).append(rgb)
-        starts[0 if is_bytes else 1] += len(rgb)
-    steps = np.arange(256) / 255
-    return TEXTURES.pack(
-        codes=codes,
-        bytes=np.ascontiguousarray(np.concatenate(small)),
-        floats=np.ascontiguousarray(np.concatenate(large), np.float32),
-        decode=np.stack([srgb_to_linear(steps), steps]).astype(np.float32),
-    )
+        return NodeTable(self._textures.number).add_all(roots)

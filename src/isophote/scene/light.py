@@ -30,8 +30,8 @@ from isophote.scene.fields import (
     positive,
     vector,
 )
+from isophote.scene.image_texture import ImageTexture
 from isophote.scene.spot_light import SpotLight
-from isophote.scene.texture import Texture
 from isophote.scene.transform import Transform
 
 __all__ = [
@@ -277,7 +277,7 @@ class Sky:
 
 
 def _sky_texture(instance: Any, attribute: attrs.Attribute[Any], value: Any) -> None:
-    instance_of("a Texture", Texture)(instance, attribute, value)
+    instance_of("an ImageTexture", ImageTexture)(instance, attribute, value)
     if value.pixels.min() < 0:
         raise SceneError("Environment: no light is negative, but some pixels are; np.maximum(pixels, 0) mends that")
 
@@ -297,7 +297,7 @@ class Environment:
     as `Transform.rotate("y", rotation)` would. Source: OpenEXR, latitude-longitude environment maps.
     """
 
-    texture: Texture = attrs.field(validator=_sky_texture)
+    texture: ImageTexture = attrs.field(validator=_sky_texture)
     strength: float = attrs.field(default=1.0, converter=as_number, validator=non_negative)
     rotation: float = attrs.field(default=0.0, converter=as_number, validator=finite)
 

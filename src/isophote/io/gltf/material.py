@@ -16,9 +16,9 @@ from isophote.io.gltf.document import Document
 from isophote.io.gltf.field import Field
 from isophote.io.gltf.geometry import UvMap
 from isophote.io.texture_file import decode_picture
+from isophote.scene.image_texture import ImageTexture
 from isophote.scene.material import Emitter, Glass, Matte, Mirror, Principled
 from isophote.scene.material_base import Material
-from isophote.scene.texture import Texture
 
 Pixels: TypeAlias = npt.NDArray[Any]
 
@@ -37,7 +37,7 @@ _SURE = 0.9
 class MaterialReader:
     """Reads each material and each picture of a document once.
 
-    Pictures that are missing or damaged are replaced by `Texture.missing`, with an `IsophoteWarning`; with
+    Pictures that are missing or damaged are replaced by `ImageTexture.missing`, with an `IsophoteWarning`; with
     `strict` they raise `FileError`.
     """
 
@@ -45,7 +45,7 @@ class MaterialReader:
     strict: bool
     _materials: dict[int, Material] = attrs.field(init=False, factory=dict)
     _pictures: dict[int, Pixels | None] = attrs.field(init=False, factory=dict)
-    _textures: dict[tuple[int, str], Texture] = attrs.field(init=False, factory=dict)
+    _textures: dict[tuple[int, str], ImageTexture] = attrs.field(init=False, factory=dict)
     _uv_maps: dict[int, UvMap] = attrs.field(init=False, factory=dict)
 
     def material(self, primitive: Field) -> Material:
@@ -99,7 +99,7 @@ class MaterialReader:
             emission_texture=self._texture(field.child("emissiveTexture"), "srgb"),
         )
 
-    def _texture(self, info: Field | None, space: str) -> Texture | None:
+    def _texture(self, info: Field | None, space: str) -> ImageTexture | None:
         if info is None:
             return None
         index = info.integer("index")
@@ -107,7 +107,7 @@ class MaterialReader:
             self._textures[index, space] = self._read_texture(self.document.root.entry("textures", index), space)
         return self._textures[index, space]
 
-    def _read_texture(self, field: Field, space: str) -> Texture:
+    def _read_texture(self, field: Field, space: str) -> ImageTexture:
         webp = field.extension("EXT_texture_webp")
         holder = field if webp is None or "source" in field else webp
         index = holder.integer("source")
@@ -115,9 +115,9 @@ class MaterialReader:
         name = image.text("name") or _uri_name(image)
         pixels = self._pixels(image, index)
         if pixels is None:
-            return Texture.missing(name or image.place)
+            return ImageTexture.missing(name or image.place)
         wrap, filtering = self._sampler(field)
-        return Texture(pixels, space, wrap, filtering, name=name)
+        return ImageTexture(pixels, space, wrap, filtering, name=name)
 
     def _pixels(self, image: Field, index: int) -> Pixels | None:
         """The pixels of a picture, or None where there are none and `strict` does not mind."""

@@ -13,8 +13,9 @@ from isophote.errors import IsophoteWarning
 from isophote.io.files import StrPath
 from isophote.io.gltf.build import Builder
 from isophote.io.gltf.material import MARK
-from isophote.io.texture_png import encode_texture, is_exact
+from isophote.io.texture_png import encode_texture, is_exact, picture_of
 from isophote.scene.colour import Colour
+from isophote.scene.image_texture import ImageTexture
 from isophote.scene.material import Glass, Principled
 from isophote.scene.material_base import Material
 from isophote.scene.nearest import nearest_principled
@@ -35,7 +36,7 @@ class MaterialWriter:
     path: StrPath
     builder: Builder
     _materials: dict[Material, int] = attrs.field(init=False, factory=dict)
-    _textures: dict[tuple[Texture, str], int] = attrs.field(init=False, factory=dict)
+    _textures: dict[tuple[ImageTexture, str], int] = attrs.field(init=False, factory=dict)
 
     def material(self, material: Material) -> int:
         """The number of a material."""
@@ -98,11 +99,12 @@ class MaterialWriter:
         pbr = {"baseColorFactor": [*material.colour, 1.0], "metallicFactor": 0.0, "roughnessFactor": roughness}
         return {"pbrMetallicRoughness": pbr, "extensions": extensions}
 
-    def _put(self, holder: Json, key: str, texture: Texture | None, space: str, **factors: float) -> None:
+    def _put(self, holder: Json, key: str, given: Texture | None, space: str, **factors: float) -> None:
+        texture = picture_of(given, self.path)
         if texture is not None:
             holder[key] = {"index": self._texture(texture, space), **factors}
 
-    def _texture(self, texture: Texture, space: str) -> int:
+    def _texture(self, texture: ImageTexture, space: str) -> int:
         if (texture, space) not in self._textures:
             sampler = {"magFilter": _FILTERS[texture.filter], "wrapS": _WRAPS[texture.wrap]}
             sampler["wrapT"] = sampler["wrapS"]
@@ -114,7 +116,7 @@ class MaterialWriter:
             self._textures[texture, space] = self.builder.add("textures", entry)
         return self._textures[texture, space]
 
-    def _png(self, texture: Texture, space: str) -> bytes:
+    def _png(self, texture: ImageTexture, space: str) -> bytes:
         if not is_exact(texture, space):
             name = f'the texture "{texture.name}"' if texture.name else "a texture"
             warnings.warn(

@@ -26,6 +26,7 @@ from isophote.kernels.base.entry import floats_at, opener_at
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.vec import load_vec3, store_vec3, vec3
 from isophote.kernels.light.bsdf import MATERIALS
+from isophote.kernels.texture import contract as texture
 
 __all__ = [
     "MOST_SLOTS",
@@ -58,12 +59,14 @@ OUT, INTO, VALUE, DENSITY, SIDE, X, Y, PICK = 0, 3, 6, 9, 10, 11, 12, 13
 # The frame in the world, and the true normal on the same side.
 TANGENT, BITANGENT, NORMAL, TRUE_NORMAL = 16, 19, 22, 25
 # The surface, for trace/prepare.py: place, true and shading normals outward, the ray's direction, texture coordinates;
-# slot, instance and item of the hit, its triangle and the material as int32.
+# slot, instance and item of the hit, its triangle and the material as int32; after the parameters, the record that
+# textures are asked with (texture/contract.py).
 PLACE, OUTWARD, SHADING, DIRECTION, U, V = 28, 31, 34, 37, 40, 41
 HIT_SLOT, HIT_INSTANCE, ITEM, TRIANGLE, MATERIAL = 42, 43, 44, 45, 46
 PARAMETERS = 48
 MOST_SLOTS = 48
-WORDS = PARAMETERS + 3 * MOST_SLOTS
+TEXTURE_PLACE = PARAMETERS + 3 * MOST_SLOTS
+WORDS = TEXTURE_PLACE + texture.WORDS
 
 _WORDS = np.int64(WORDS)
 _ZERO, _ONE = np.float32(0), np.float32(1)

@@ -12,8 +12,9 @@ from isophote.kernels.base.jit import device, kernel
 from isophote.kernels.base.vec import load_vec3, store_vec3, vec3
 from isophote.kernels.brdf import contract
 from isophote.kernels.light.bsdf import MATERIALS
-from isophote.kernels.light.texture import TEXTURES
-from isophote.kernels.trace.prepare import slot_value
+from isophote.kernels.texture import contract as texture
+from isophote.kernels.texture.contract import TEXTURES
+from isophote.kernels.trace.textured import slot_value
 
 __all__ = ["branch_many", "evaluate_many", "sample_many"]
 
@@ -28,7 +29,9 @@ open_materials, open_textures = MATERIALS.open, TEXTURES.open
 @device
 def _prepare(materials, textures, u, v, scratch):
     """Write the parameters at a place of the textures; returns the root node."""
-    scratch[contract.U], scratch[contract.V] = u, v
+    for k in range(contract.TEXTURE_PLACE, contract.WORDS):
+        scratch[k] = _ZERO
+    scratch[contract.TEXTURE_PLACE + texture.U], scratch[contract.TEXTURE_PLACE + texture.V] = u, v
     first = np.int64(materials.spans[_MATERIAL, _FIRST])
     for k in range(materials.spans[_MATERIAL, _COUNT]):
         store_vec3(scratch, contract.PARAMETERS + 3 * k, slot_value(materials, textures, first + k, scratch))

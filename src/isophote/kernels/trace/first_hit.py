@@ -65,7 +65,7 @@ def _write_lamp(scene, features, y, x, origin, direction, t, lamp):
 def _write_surface(scene, features, y, x, origin, direction, hit):
     surface = surface_of(scene, origin, direction, hit, features.scratch)
     _set(features.normal, y, x, _facing(surface.shading, direction))
-    _set(features.albedo, y, x, surface_colour(scene, surface))
+    _set(features.albedo, y, x, surface_colour(scene, surface, hit, direction, features.scratch))
     features.uv[y, 2 * x] = surface.u
     features.uv[y, 2 * x + 1] = surface.v
     features.item[y, x] = scene.surfaces.items[surface.item, PUBLIC]

@@ -18,12 +18,11 @@ import numpy as np
 from isophote.kernels.accel.surface import MATERIAL
 from isophote.kernels.base.entry import call_entry, element_address, table_address
 from isophote.kernels.base.jit import device
-from isophote.kernels.base.simd import store_int
 from isophote.kernels.base.vec import dot, load_vec3, store_vec3, vec3
 from isophote.kernels.base.warp import INV_PI
 from isophote.kernels.brdf import contract
 from isophote.kernels.light.bsdf import GLASS, LINKED, MATTE, MIRROR, fresnel_dielectric, scatter_matte
-from isophote.kernels.trace.shading import mirror_ray, scatter_glass_ray, seen_normal, surface_colour
+from isophote.kernels.trace.shading import mirror_ray, scatter_glass_ray, seen_normal, surface_colour, write_surface
 
 __all__ = [
     "branch_material",
@@ -50,16 +49,7 @@ def _material(scene, surface):
 @device
 def prepare_linked(scene, surface, hit, direction, scratch):
     """Write what the entries of a linked kind read."""
-    store_vec3(scratch, contract.PLACE, surface.place)
-    store_vec3(scratch, contract.OUTWARD, surface.normal)
-    store_vec3(scratch, contract.SHADING, surface.shading)
-    store_vec3(scratch, contract.DIRECTION, direction)
-    scratch[contract.U], scratch[contract.V] = surface.u, surface.v
-    store_int(scratch, contract.HIT_SLOT, np.int32(hit.slot))
-    store_int(scratch, contract.HIT_INSTANCE, np.int32(hit.instance))
-    store_int(scratch, contract.ITEM, np.int32(surface.item))
-    store_int(scratch, contract.TRIANGLE, np.int32(surface.triangle))
-    store_int(scratch, contract.MATERIAL, np.int32(_material(scene, surface)))
+    write_surface(scene, surface, hit, direction, scratch)
     call_entry(scene.materials.prepare, (table_address(scene), element_address(scratch, _START)))
 
 
@@ -136,7 +126,7 @@ def prepare_material(scene, surface, hit, direction, scratch):
     store_vec3(scratch, contract.NORMAL, normal * side)
     store_vec3(scratch, contract.TRUE_NORMAL, surface.normal * side)
     store_vec3(scratch, contract.DIRECTION, direction)
-    store_vec3(scratch, contract.PARAMETERS, surface_colour(scene, surface))
+    store_vec3(scratch, contract.PARAMETERS, surface_colour(scene, surface, hit, direction, scratch))
 
 
 @device

@@ -243,7 +243,7 @@ def _shade(tables, plan, wave, count, depth):
             add_radiance(wave, owner, carried * emitted)
         if depth == plan.max_depth or kind == BLACK:
             continue
-        colour = surface_colour(tables, surface)
+        colour = surface_colour(tables, surface, hit, direction, wave.scratch)
         if kind == MATTE:
             shading = seen_normal(surface, direction)
             shading = shading if dot(direction, shading) < _ZERO else -shading

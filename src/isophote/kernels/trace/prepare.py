@@ -16,10 +16,10 @@ from isophote.kernels.base.jit import device
 from isophote.kernels.base.simd import load_int
 from isophote.kernels.base.vec import cross, dot, load_vec3, normalise, orthonormal, store_vec3, vec3
 from isophote.kernels.brdf import contract
-from isophote.kernels.light.texture import look_up
 from isophote.kernels.trace.tables import SCENE
+from isophote.kernels.trace.textured import slot_value, write_place
 
-__all__ = ["prepare", "slot_value"]
+__all__ = ["prepare"]
 
 _ZERO, _ONE = np.float32(0), np.float32(1)
 _LEAST = np.float32(1e-6)
@@ -28,21 +28,6 @@ _WORDS, _FIELD = np.int64(contract.WORDS), np.int64(FIELD)
 _ROOT, _FIRST, _COUNT, _TANGENT = np.int64(0), np.int64(1), np.int64(2), np.int64(3)
 
 _scene_at = opener_at(SCENE)
-
-
-@device
-def slot_value(materials, textures, slot, scratch):
-    """Value of a material's slot at the surface in the scratch, texture included."""
-    value = vec3(materials.slot_values[slot, 0], materials.slot_values[slot, 1], materials.slot_values[slot, 2])
-    texture = np.int64(materials.slot_codes[slot, 0])
-    if texture < 0:
-        return value
-    texel = look_up(textures, texture, scratch[contract.U], scratch[contract.V])
-    channel = materials.slot_codes[slot, 1]
-    if channel >= 0:
-        one = texel.x if channel == 0 else (texel.y if channel == 1 else texel.z)
-        texel = vec3(one, one, one)
-    return value * texel
 
 
 @device
@@ -128,6 +113,8 @@ def prepare(scene_words, scratch_address):
     scene, scratch = _scene_at(scene_words), floats_at(scratch_address, _WORDS)
     material = np.int64(load_int(scratch, contract.MATERIAL))
     _write_frame(scene, material, scratch)
+    if scene.textures.nodes.rows > 0:
+        write_place(scene, scratch)
     first = np.int64(scene.materials.spans[material, _FIRST])
     for k in range(scene.materials.spans[material, _COUNT]):
         store_vec3(

@@ -102,7 +102,7 @@ def _start(surface, into):
 
 
 @device
-def _branch_glass(tables, tree, wave, log, levels, level, i, surface, direction, boundary, carried):
+def _branch_glass(tables, tree, wave, log, levels, level, i, surface, hit, direction, boundary, carried):
     """The rays that leave a boundary of clear media; where it lies within a medium of higher priority, it is none."""
     if boundary.before == boundary.behind:
         start, weight = _start(surface, direction), vec3(_ONE, _ONE, _ONE)
@@ -111,7 +111,7 @@ def _branch_glass(tables, tree, wave, log, levels, level, i, surface, direction,
         return
     ratio = medium_ior(tables.media, boundary.behind) / medium_ior(tables.media, boundary.before)
     share, reflected, refracted = split_ray(surface, direction, ratio)
-    inside, colour = wave.longs[rows.INSIDE, i], surface_colour(tables, surface)
+    inside, colour = wave.longs[rows.INSIDE, i], surface_colour(tables, surface, hit, direction, wave.scratch)
     for k in range(2):
         into = reflected if k == 0 else refracted
         # Radiance is squeezed into a smaller cone behind the boundary (bsdf.py).
@@ -161,7 +161,7 @@ def _meet_surface(tables, plan, tree, wave, log, level, i, lit):
     add_radiance(wave, i, carried * (emitted + ambient))
     levels = plan.max_depth
     if goes_smoothly(tables, material, boundary):
-        _branch_glass(tables, tree, wave, log, levels, level, i, surface, direction, boundary, carried)
+        _branch_glass(tables, tree, wave, log, levels, level, i, surface, hit, direction, boundary, carried)
     else:
         _branch_any(tables, tree, wave, log, levels, level, i, surface, direction, carried)
     return np.int64(scatters)

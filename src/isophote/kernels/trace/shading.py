@@ -5,26 +5,45 @@ from __future__ import annotations
 import numpy as np
 
 from isophote.kernels.accel.surface import MATERIAL
+from isophote.kernels.base.entry import call_entry, element_address, table_address
 from isophote.kernels.base.jit import device
-from isophote.kernels.base.vec import dot, reflect, vec3
+from isophote.kernels.base.simd import store_int
+from isophote.kernels.base.vec import dot, load_vec3, reflect, store_vec3, vec3
+from isophote.kernels.brdf import contract
 from isophote.kernels.light.bsdf import scatter_glass
-from isophote.kernels.light.texture import look_up
 
-__all__ = ["mirror_ray", "scatter_glass_ray", "seen_normal", "surface_colour", "surface_emission"]
+__all__ = ["mirror_ray", "scatter_glass_ray", "seen_normal", "surface_colour", "surface_emission", "write_surface"]
 
 _ZERO = np.float32(0)
+_START = np.int64(0)
 
 
 @device
-def surface_colour(scene, surface):
+def write_surface(scene, surface, hit, direction, scratch):
+    """Write the surface that a ray of unit `direction` met, for entries that look textures up or scatter light."""
+    store_vec3(scratch, contract.PLACE, surface.place)
+    store_vec3(scratch, contract.OUTWARD, surface.normal)
+    store_vec3(scratch, contract.SHADING, surface.shading)
+    store_vec3(scratch, contract.DIRECTION, direction)
+    scratch[contract.U], scratch[contract.V] = surface.u, surface.v
+    store_int(scratch, contract.HIT_SLOT, np.int32(hit.slot))
+    store_int(scratch, contract.HIT_INSTANCE, np.int32(hit.instance))
+    store_int(scratch, contract.ITEM, np.int32(surface.item))
+    store_int(scratch, contract.TRIANGLE, np.int32(surface.triangle))
+    store_int(scratch, contract.MATERIAL, np.int32(scene.surfaces.items[surface.item, MATERIAL]))
+
+
+@device
+def surface_colour(scene, surface, hit, direction, scratch):
     """The material's colour at a surface, texture included."""
     material = np.int64(scene.surfaces.items[surface.item, MATERIAL])
     values = scene.materials.values
     colour = vec3(values[material, 0], values[material, 1], values[material, 2])
-    texture = np.int64(scene.materials.textures[material])
-    if texture >= 0:
-        return colour * look_up(scene.textures, texture, surface.u, surface.v)
-    return colour
+    if scene.materials.textures[material] < 0:
+        return colour
+    write_surface(scene, surface, hit, direction, scratch)
+    call_entry(scene.textures.colour, (table_address(scene), element_address(scratch, _START)))
+    return colour * load_vec3(scratch, contract.VALUE)
 
 
 @device

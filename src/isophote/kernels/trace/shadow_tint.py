@@ -39,13 +39,13 @@ scene_at = opener_at(SCENE)
 
 
 @device
-def _through_boundary(scene, surface, direction, boundary):
+def _through_boundary(scene, surface, hit, direction, boundary, scratch):
     """What goes through a smooth boundary of media."""
     if boundary.before == boundary.behind:
         return vec3(_ONE, _ONE, _ONE)
     ratio = medium_ior(scene.media, boundary.behind) / medium_ior(scene.media, boundary.before)
     share, _, _ = split_ray(surface, direction, ratio)
-    return surface_colour(scene, surface) * (_ONE - share)
+    return surface_colour(scene, surface, hit, direction, scratch) * (_ONE - share)
 
 
 @device
@@ -86,7 +86,7 @@ def shadow_tint(scene_address, scratch_address, words, ray_address, inside):
         boundary = surface_boundary(scene.media, material, inside, dot(direction, surface.normal) < _ZERO)
         left = left * attenuation(scene.media, boundary.before, hit.t)
         if goes_smoothly(scene, material, boundary):
-            left = left * _through_boundary(scene, surface, direction, boundary)
+            left = left * _through_boundary(scene, surface, hit, direction, boundary, scratch)
         else:
             left = left * _through_any(scene, surface, hit, direction, material, scratch)
         if maximum_component(left) <= _ZERO:

@@ -251,7 +251,7 @@ def _surfaces(scene, picture, active, x0, y0):
         origin = lane_vec3(pixels, pixel.ORIGIN, lane)
         surface = surface_of(scene, origin, direction, hit, picture.scratch)
         seen = surface.shading if dot(surface.shading, direction) < _ZERO else -surface.shading
-        colour = surface_colour(scene, surface)
+        colour = surface_colour(scene, surface, hit, direction, picture.scratch)
         emitted, two_sided = surface_emission(scene, surface)
         shines = two_sided or dot(direction, surface.normal) < _ZERO
         set_lane_vec3(pixels, pixel.GATHERED, lane, emitted if shines else vec3(_ZERO, _ZERO, _ZERO))

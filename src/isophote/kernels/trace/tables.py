@@ -9,8 +9,8 @@ from isophote.kernels.base.table import DOUBLE_BOXES, FLOAT_ROWS, FLOATS, INT, L
 from isophote.kernels.light.bsdf import MATERIALS
 from isophote.kernels.light.emitter import LIGHTS
 from isophote.kernels.light.medium import MEDIA
-from isophote.kernels.light.texture import TEXTURES
 from isophote.kernels.primitive.layout import PRIMITIVES
+from isophote.kernels.texture.contract import TEXTURES
 
 __all__ = ["FILM", "PLAN", "SCENE"]
 

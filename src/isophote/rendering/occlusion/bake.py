@@ -18,8 +18,8 @@ from isophote.progress import ProgressLike, Reporter, reporter
 from isophote.rendering.method import checked_seed
 from isophote.rendering.occlusion.atlas import Atlas, atlas_of
 from isophote.rendering.occlusion.points import ROUNDING, checked_reach, lowered, reach_of, trace
+from isophote.scene.image_texture import ImageTexture
 from isophote.scene.scene import Item, Scene, Shape
-from isophote.scene.texture import Texture
 from isophote.shapes.mesh import Mesh
 
 __all__ = ["BakedOcclusion", "bake_occlusion"]
@@ -45,10 +45,10 @@ class BakedOcclusion:
     coverage: npt.NDArray[np.bool_]
 
     @property
-    def texture(self) -> Texture:
+    def texture(self) -> ImageTexture:
         """`visibility` at 8 bits, one channel, linear: for `Principled(occlusion_texture=...)`."""
         levels = np.floor(self.visibility * np.float32(255) + np.float32(0.5)).astype(np.uint8)
-        return Texture(levels, "linear", wrap="clamp", name="occlusion")
+        return ImageTexture(levels, "linear", wrap="clamp", name="occlusion")
 
     def save(self, path: StrPath) -> None:
         """Write the texture as an 8-bit PNG of greys, whole or not at all. Raises `FileError`."""

@@ -17,10 +17,10 @@ from isophote.errors import IsophoteWarning, RenderError
 from isophote.lower.lights import rectangle_mesh
 from isophote.lower.materials import emission_of
 from isophote.scene.colour import srgb_to_linear
+from isophote.scene.image_texture import ImageTexture
 from isophote.scene.light import RectLight
 from isophote.scene.material import Emitter, Material, Matte
 from isophote.scene.scene import Scene
-from isophote.scene.texture import Texture
 from isophote.shapes.field.field import Field
 from isophote.shapes.mesh import Attribute, Mesh
 
@@ -54,7 +54,7 @@ class Faces:
     primitive: npt.NDArray[np.int64]
     side: npt.NDArray[np.int64]
     smooth: npt.NDArray[np.bool_]
-    textures: tuple[Texture, ...]
+    textures: tuple[ImageTexture, ...]
     meshes: tuple[Mesh, ...]
     solid: npt.NDArray[np.bool_]
 
@@ -72,7 +72,7 @@ class _Surface:
     def __init__(self, material: Material, name: str) -> None:
         radiance, self.shines_behind = emission_of(material)
         self.albedo, self.emission = np.zeros(3), np.pi * np.array(radiance)
-        self.texture: Texture | None = None
+        self.texture: ImageTexture | None = None
         if isinstance(material, Emitter):
             if material.body is None:
                 return
@@ -86,7 +86,7 @@ class _Surface:
                 IsophoteWarning,
                 stacklevel=2,
             )
-        if isinstance(colour, Texture):
+        if isinstance(colour, ImageTexture):
             self.albedo, self.texture = np.ones(3), colour
         else:
             self.albedo = np.array(colour)
@@ -101,7 +101,7 @@ def faces_of(scene: Scene, cell: float) -> Faces:
     for shapes without bounds and materials that reflect more than they receive.
     """
     parts: list[dict[str, npt.NDArray[np.generic]]] = []
-    textures: list[Texture] = []
+    textures: list[ImageTexture] = []
     meshes: list[Mesh] = []
     solid: list[bool] = []
     for number, item in enumerate(scene.items):
@@ -132,7 +132,7 @@ def _mesh_of(shape: object, cell: float, name: str) -> Mesh:
 
 def _add(
     parts: list[dict[str, npt.NDArray[np.generic]]],
-    textures: list[Texture],
+    textures: list[ImageTexture],
     meshes: list[Mesh],
     mesh: Mesh,
     matrix: Points,
@@ -223,7 +223,7 @@ def _reversed(rows: Points, sides: npt.NDArray[np.uint8]) -> Points:
     return np.where((sides == 3)[:, None, None], rows[:, [0, 2, 1, 0]], rows[:, ::-1])
 
 
-def looked_up(textures: Sequence[Texture], texture: npt.NDArray[np.int64], uvs: Points) -> Points:
+def looked_up(textures: Sequence[ImageTexture], texture: npt.NDArray[np.int64], uvs: Points) -> Points:
     """(n, 3): the linear colour of texture `texture[i]` at `uvs[i]`, and white where that is −1; nearest texels."""
     colour = np.ones((len(texture), 3))
     for number, image in enumerate(textures):

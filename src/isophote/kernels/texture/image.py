@@ -1,4 +1,4 @@
-"""Textures as tables: all pictures one after another, looked up by their number."""
+"""Pictures as textures."""
 
 from __future__ import annotations
 
@@ -6,23 +6,16 @@ import math
 
 import numpy as np
 
+from isophote.kernels.base.entry import entry
 from isophote.kernels.base.jit import device
-from isophote.kernels.base.table import BYTE_ROWS, FLOAT_ROWS, LONG_ROWS, Table
 from isophote.kernels.base.vec import vec3
+from isophote.kernels.texture.contract import CLAMP, MIRROR, NEAREST, PICTURE, REPEAT, U, V, answer, open_place
 
-__all__ = ["BILINEAR", "CLAMP", "MIRROR", "NEAREST", "REPEAT", "TEXTURES", "look_up"]
-
-REPEAT, CLAMP, MIRROR = 0, 1, 2
-BILINEAR, NEAREST = 0, 1
+__all__ = ["image"]
 
 _HALF, _ONE = np.float32(0.5), np.float32(1)
 # Coordinates of a clamped or mirrored texture beyond this many pictures are cut, so that texel numbers stay exact.
 _BOUND = np.float32(2**10)
-
-
-# `codes` (n, 6): first texel, width, height, wrap, filter, and 0 or 1 for the row of `decode` that 8-bit texels go
-# through, or 2 for texels in `floats`. `bytes`, `floats` (texels, 3). `decode` (2, 256): sRGB to linear, and plain.
-TEXTURES = Table("Textures", codes=LONG_ROWS, bytes=BYTE_ROWS, floats=FLOAT_ROWS, decode=FLOAT_ROWS)
 
 
 @device
@@ -50,8 +43,8 @@ def _texel(textures, number, x, y):
 
 
 @device
-def look_up(textures, number, u, v):
-    """Linear colour of texture `number` at (u, v), whose origin is the picture's lower left corner."""
+def _colour(textures, number, u, v):
+    """Linear colour of picture `number` at (u, v), whose origin is the picture's lower left corner."""
     codes = textures.codes
     # The fractional part first: large coordinates would overflow the texel's number.
     x = (u - math.floor(u) if codes[number, 3] == REPEAT else min(max(u, -_BOUND), _BOUND)) * codes[number, 1]
@@ -66,3 +59,11 @@ def look_up(textures, number, u, v):
     top = _texel(textures, number, i, j) * (_ONE - a) + _texel(textures, number, i + 1, j) * a
     low = _texel(textures, number, i, j + 1) * (_ONE - a) + _texel(textures, number, i + 1, j + 1) * a
     return top * (_ONE - b) + low * b
+
+
+@entry
+def image(textures, node, record):
+    """The picture's colour; bilinear between the centres of pixels, or the nearest one's."""
+    place = open_place(textures, node, record)
+    number = np.int64(place.textures.nodes[node, PICTURE])
+    return answer(place, _colour(place.textures, number, place.record[U], place.record[V]), _ONE)

@@ -1,0 +1,1 @@
+"""Textures: what they are given, and the kinds of them."""

@@ -1,0 +1,76 @@
+"""What textures say at a surface that a ray met.
+
+write_place(scene, scratch)                              once, from what `write_surface` left in the scratch
+slot_value(materials, textures, slot, scratch)           then for each parameter of a material
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from isophote.kernels.accel.field_layout import FIELD
+from isophote.kernels.accel.geometry import affine_point
+from isophote.kernels.base.entry import entry, floats_at, opener_at
+from isophote.kernels.base.jit import device
+from isophote.kernels.base.simd import load_int
+from isophote.kernels.base.vec import load_vec3, store_vec3, vec3
+from isophote.kernels.brdf import contract
+from isophote.kernels.texture import contract as texture
+from isophote.kernels.trace.tables import SCENE
+
+__all__ = ["colour_at", "slot_value", "write_place"]
+
+_ZERO = np.float32(0)
+_WORDS, _FIELD, _PLACE = np.int64(contract.WORDS), np.int64(FIELD), np.int64(contract.TEXTURE_PLACE)
+
+_scene_at = opener_at(SCENE)
+
+
+@device
+def _own_place(scene, slot, instance, place):
+    """A place of the world in the space of the shape that was hit."""
+    if slot >= 0:
+        if scene.geometry.identity[instance] != 0:
+            return place
+        return affine_point(scene.geometry.to_object, instance, place)
+    if slot > _FIELD:
+        return affine_point(scene.primitives.to_object, instance, place)
+    return affine_point(scene.fields.to_object, instance, place)
+
+
+@device
+def write_place(scene, scratch):
+    """Write the record that textures are asked with."""
+    slot = np.int64(load_int(scratch, contract.HIT_SLOT))
+    instance = np.int64(load_int(scratch, contract.HIT_INSTANCE))
+    for k in range(_PLACE, _PLACE + texture.WORDS):
+        scratch[k] = _ZERO
+    scratch[_PLACE + texture.U], scratch[_PLACE + texture.V] = scratch[contract.U], scratch[contract.V]
+    own = _own_place(scene, slot, instance, load_vec3(scratch, contract.PLACE))
+    store_vec3(scratch, _PLACE + texture.OWN, own)
+
+
+@device
+def slot_value(materials, textures, slot, scratch):
+    """Value of a material's slot at the place in the scratch, texture included."""
+    value = vec3(materials.slot_values[slot, 0], materials.slot_values[slot, 1], materials.slot_values[slot, 2])
+    node = np.int64(materials.slot_codes[slot, 0])
+    if node < 0:
+        return value
+    texel, alpha = texture.look_up(textures, node, scratch, _PLACE)
+    channel = materials.slot_codes[slot, 1]
+    if channel >= 0:
+        one = texel.x if channel == 0 else (texel.y if channel == 1 else (texel.z if channel == 2 else alpha))
+        texel = vec3(one, one, one)
+    return value * texel
+
+
+@entry
+def colour_at(scene_words, scratch_address):
+    """Leave in VALUE what the texture of the material's colour says."""
+    scene, scratch = _scene_at(scene_words), floats_at(scratch_address, _WORDS)
+    write_place(scene, scratch)
+    node = np.int64(scene.materials.textures[np.int64(load_int(scratch, contract.MATERIAL))])
+    colour, _ = texture.look_up(scene.textures, node, scratch, _PLACE)
+    store_vec3(scratch, contract.VALUE, colour)
+    return 0

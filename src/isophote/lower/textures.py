@@ -1,0 +1,93 @@
+"""Textures into tables."""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from isophote.errors import SceneError
+from isophote.kernels.base.table import Packed
+from isophote.kernels.texture import contract
+from isophote.kernels.texture.contract import DATA, LOOK_UP, NODE_WORDS, PICTURE, TEXTURES
+from isophote.scene.colour import srgb_to_linear
+from isophote.scene.image_texture import ImageTexture
+from isophote.scene.texture import Texture
+
+__all__ = ["TextureTable"]
+
+Floats: TypeAlias = npt.NDArray[np.float32]
+Texels: TypeAlias = npt.NDArray[np.generic]
+
+_WRAP = {"repeat": contract.REPEAT, "clamp": contract.CLAMP, "mirror": contract.MIRROR}
+_FILTER = {"bilinear": contract.BILINEAR, "nearest": contract.NEAREST}
+_PLAIN, _FLOATS = 1, 2
+
+
+class TextureTable:
+    """Numbers textures as they come, those that they are made from included; equal ones share a node."""
+
+    def __init__(self) -> None:
+        self._numbers: dict[Texture, int] = {}
+        self._nodes: list[list[int]] = []
+        self._codes: list[list[int]] = []
+        self._bytes: list[Texels] = [np.zeros((0, 3), np.uint8)]
+        self._floats: list[Texels] = [np.zeros((0, 3), np.float32)]
+
+    def number(self, texture: Texture) -> int:
+        """The node of a texture."""
+        if texture not in self._numbers:
+            self._numbers[texture] = self._add(texture)
+        return self._numbers[texture]
+
+    def _add(self, texture: Texture) -> int:
+        if isinstance(texture, ImageTexture):
+            # Loaded where there is a picture: scenes without are drawn sooner.
+            from isophote.kernels.texture.image import image
+
+            return self._node(image.address, self._picture(texture))
+        raise SceneError(f"a {type(texture).__name__} cannot be drawn")
+
+    def _node(self, address: int, picture: int = 0, data: int = 0) -> int:
+        node = [0] * NODE_WORDS
+        node[LOOK_UP], node[PICTURE], node[DATA] = address, picture, data
+        self._nodes.append(node)
+        return len(self._nodes) - 1
+
+    def _picture(self, picture: ImageTexture) -> int:
+        """Row of `codes` of a picture."""
+        width, height = picture.size
+        pixels = picture.pixels.reshape(height, width, -1)
+        rgb = np.broadcast_to(pixels[..., :1], (height, width, 3)) if picture.channels == 1 else pixels[..., :3]
+        texels: Texels = rgb.reshape(-1, 3)
+        is_bytes = texels.dtype == np.uint8
+        if not is_bytes and picture.colour_space == "srgb":
+            texels = srgb_to_linear(texels)
+        row = _FLOATS if not is_bytes else (_PLAIN if picture.colour_space == "linear" else 0)
+        parts = self._bytes if is_bytes else self._floats
+        first = sum(map(len, parts))
+        parts.append(texels)
+        self._codes.append([first, width, height, _WRAP[picture.wrap], _FILTER[picture.filter], row])
+        return len(self._codes) - 1
+
+    def build(self) -> Packed:
+        """The table of all textures that were numbered."""
+        steps = np.arange(256) / 255
+        return TEXTURES.pack(
+            nodes=np.array(self._nodes, np.int64).reshape(-1, NODE_WORDS),
+            codes=np.array(self._codes, np.int64).reshape(-1, 6),
+            bytes=np.ascontiguousarray(np.concatenate(self._bytes)),
+            floats=np.ascontiguousarray(np.concatenate(self._floats), np.float32),
+            decode=np.stack([srgb_to_linear(steps), steps]).astype(np.float32),
+            data=np.zeros(0, np.float32),
+            colour=self._colour_entry(),
+        )
+
+    def _colour_entry(self) -> int:
+        if not self._nodes:
+            return 0
+        # As in _add.
+        from isophote.kernels.trace.textured import colour_at
+
+        return colour_at.address
