@@ -45,6 +45,7 @@ _HOME = {
     "Metal": "scene.metal",
     "Mirror": "scene.material",
     "Mix": "scene.compound",
+    "Motion": "scene.motion",
     "Occlusion": "rendering.occlusion.points",
     "OrenNayar": "scene.gloss",
     "OrthographicCamera": "scene.camera",

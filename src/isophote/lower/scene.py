@@ -27,7 +27,7 @@ from isophote.shapes.primitive.primitive import Primitive
 if TYPE_CHECKING:
     from isophote.shapes.field.field import Field
 
-__all__ = ["lower_scene"]
+__all__ = ["camera_rows", "lower_scene"]
 
 
 _latest = Latest()
@@ -46,12 +46,12 @@ def lower_scene(
     Fields of one simple solid become exact primitives, unless they shall be `marched`.
 
     Items are numbered as they stand in the scene; area lights go on from there, in their order among the lights. Tables
-    of the scene lowered last are used again where only the camera or the size differ. Endless fields reach as far as
+    of the scene lowered last are used again where only the camera or the size differ. What moves, stands as it does when
+    the shutter is half through. Endless fields reach as far as
     lower/fields.py says. Raises `SceneError` for a scene without items that can be drawn, or without a camera.
     """
-    if scene.camera is None:
-        raise SceneError("the scene has no camera; give Scene(camera=...) or use isophote.studio(scene)")
-    camera = np.stack(scene.camera.linear_map(size)).astype(np.float32)
+    scene = scene.still()
+    camera = camera_rows(scene, size)
     way = accelerator, marched
     tables = _latest.find(scene, way)
     if tables is None:
@@ -59,6 +59,13 @@ def lower_scene(
         tables = _tables(scene, parts, threads, accelerator)
         _latest.keep(scene, way, tables, one_view=endless(parts.fields))
     return SCENE.pack(**tables, camera=camera)
+
+
+def camera_rows(scene: Scene, size: tuple[int, int]) -> npt.NDArray[np.float32]:
+    """(10, 3): the rays of a scene's camera, as kernels/trace/camera.py has them."""
+    if scene.camera is None:
+        raise SceneError("the scene has no camera; give Scene(camera=...) or use isophote.studio(scene)")
+    return np.stack(scene.camera.linear_map(size)).astype(np.float32)
 
 
 class _Parts(NamedTuple):

@@ -22,6 +22,8 @@ from isophote.scene.fields import (
     positive,
     vector,
 )
+from isophote.scene.motion import Motion
+from isophote.scene.shutter import moved_camera, rigid_motion, shutter_times
 from isophote.scene.transform import Transform, look_frame
 
 __all__ = ["AnyCamera", "Camera", "CameraMap", "OrthographicCamera"]
@@ -91,6 +93,10 @@ class Camera:
     of the target. `principal_point` is where the viewing axis meets the picture, as parts of its width and height
     from the top left corner; `pixel_aspect` is the width of a pixel over its height.
 
+    The picture is taken while the `shutter` is open, from one time to another in seconds: what moves, is blurred.
+    `motion` moves the camera: rigid placements of its frame, which looks down its −Z (`Transform.look_at`), in place of
+    `eye`, `target` and `up`; the focus stays as far away as it is.
+
     Raises `SceneError` where `eye` is `target`, `up` is parallel to the view, or a number is out of range.
     """
 
@@ -104,9 +110,21 @@ class Camera:
         default=(0.5, 0.5), kw_only=True, converter=as_pair, validator=pair
     )
     pixel_aspect: float = attrs.field(default=1.0, kw_only=True, converter=as_number, validator=positive)
+    shutter: tuple[float, float] = attrs.field(
+        default=(0.0, 0.0), kw_only=True, converter=as_pair, validator=shutter_times
+    )
+    motion: Motion | None = attrs.field(default=None, kw_only=True, validator=optional(rigid_motion))
 
     def __attrs_post_init__(self) -> None:
         look_frame(self.eye, self.target, self.up)
+
+    def with_(self, **changes: Any) -> Camera:
+        """The camera with other fields: `camera.with_(shutter=(0, 1))`."""
+        return attrs.evolve(self, **changes)
+
+    def still(self, time: float) -> Camera:
+        """The camera where it is at a time, standing still."""
+        return moved_camera(self, time)
 
     @property
     def axes(self) -> Array:
@@ -232,16 +250,29 @@ def _matrix(given: npt.ArrayLike, shape: tuple[int, ...], name: str) -> Array:
 class OrthographicCamera:
     """A camera with parallel rays, from the plane through `eye` toward `target`; `height` is the picture's, in metres.
 
-    Raises `SceneError` where `eye` is `target`, `up` is parallel to the view, or `height` is not above 0.
+    `shutter` and `motion` are those of `Camera`. Raises `SceneError` where `eye` is `target`, `up` is parallel
+    to the view, or `height` is not above 0.
     """
 
     eye: Vector = attrs.field(converter=as_vector, validator=vector)
     target: Vector = attrs.field(converter=as_vector, validator=vector)
     up: Vector = attrs.field(default=(0.0, 1.0, 0.0), converter=as_vector, validator=vector)
     height: float = attrs.field(default=2.0, converter=as_number, validator=positive)
+    shutter: tuple[float, float] = attrs.field(
+        default=(0.0, 0.0), kw_only=True, converter=as_pair, validator=shutter_times
+    )
+    motion: Motion | None = attrs.field(default=None, kw_only=True, validator=optional(rigid_motion))
 
     def __attrs_post_init__(self) -> None:
         look_frame(self.eye, self.target, self.up)
+
+    def with_(self, **changes: Any) -> OrthographicCamera:
+        """The camera with other fields: `camera.with_(shutter=(0, 1))`."""
+        return attrs.evolve(self, **changes)
+
+    def still(self, time: float) -> OrthographicCamera:
+        """The camera where it is at a time, standing still."""
+        return moved_camera(self, time)
 
     @property
     def axes(self) -> Array:

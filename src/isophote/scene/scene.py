@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from itertools import pairwise
 from typing import Any, Protocol, TypeAlias
 
 import attrs
@@ -15,6 +16,7 @@ from isophote.scene.fields import VectorLike, instance_of, optional
 from isophote.scene.light import AreaLight, Environment, Light, PointLight, Sky, Sun
 from isophote.scene.material import Matte
 from isophote.scene.material_base import Material
+from isophote.scene.motion import Motion
 from isophote.scene.spot_light import SpotLight
 from isophote.scene.transform import Axis, Transform
 
@@ -25,6 +27,8 @@ Bounds: TypeAlias = npt.NDArray[np.float64]
 _name = optional(instance_of("a string or None", str))
 _camera = optional(instance_of("a Camera, an OrthographicCamera or None", Camera, OrthographicCamera))
 _material = instance_of("a material (Matte, Metal, Glass, Emitter, ...)", Material)
+# Steps between two placements of a motion at which its box is taken.
+_STEPS = 9
 _LIGHTS = (PointLight, SpotLight, Sun, AreaLight, Sky, Environment)
 
 
@@ -62,17 +66,22 @@ class Item:
     """A shape in a scene, with what it is made of and where it stands.
 
     Items whose `shape` is the same object share its geometry, so a thousand of them cost one. `transform`
-    takes the shape to world space; `name` is for people and files.
+    takes the shape to world space, a `Motion` at each time; `name` is for people and files. Where only one placement
+    counts (files, baking, radiosity, rays over arrays), an item that moves stands as at its first.
     """
 
     shape: Shape = attrs.field(validator=_shape)
     material: Material = attrs.field(factory=Matte, validator=_material)
-    transform: Transform = attrs.field(factory=Transform.identity, validator=instance_of("a Transform", Transform))
+    transform: Transform | Motion = attrs.field(
+        factory=Transform.identity, validator=instance_of("a Transform or a Motion", Transform, Motion)
+    )
     name: str | None = attrs.field(default=None, validator=_name)
 
     def at(self, position: VectorLike) -> Item:
-        """The item with its shape's origin at `position`, turned and scaled as it is."""
+        """The item with its shape's origin at `position`, at first if it moves, turned and scaled as it is."""
         matrix = self.transform.matrix.copy()
+        if isinstance(self.transform, Motion):
+            return self.translate(np.asarray(position, np.float64) - matrix[:3, 3])
         matrix[:3, 3] = 0
         return self.with_(transform=Transform(matrix).translate(position))
 
@@ -94,8 +103,12 @@ class Item:
 
     @property
     def bounds(self) -> Bounds:
-        """(2, 3): a box in world space around the shape's own box, placed."""
-        return placed_box(np.asarray(self.shape.bounds, np.float64), self.transform.matrix)
+        """(2, 3): a box in world space around the shape's own box, placed, wherever it moves."""
+        return _swept_box(np.asarray(self.shape.bounds, np.float64), self.transform)
+
+    def still(self, time: float) -> Item:
+        """The item as it stands at a time; itself where it does not move."""
+        return self.with_(transform=self.transform.at(time)) if isinstance(self.transform, Motion) else self
 
 
 def placed_box(box: Bounds, matrix: npt.NDArray[np.float64]) -> Bounds:
@@ -106,6 +119,15 @@ def placed_box(box: Bounds, matrix: npt.NDArray[np.float64]) -> Bounds:
     np.multiply(linear, box[:, None, :], out=reach, where=(linear != 0)[None])
     bounds: Bounds = np.stack([reach.min(axis=0).sum(axis=1), reach.max(axis=0).sum(axis=1)]) + offset
     return bounds
+
+
+def _swept_box(box: Bounds, transform: Transform | Motion) -> Bounds:
+    if isinstance(transform, Transform):
+        return placed_box(box, transform.matrix)
+    times = transform.times
+    steps = np.concatenate([np.linspace(*span, _STEPS) for span in pairwise(times)])
+    boxes = np.stack([placed_box(box, transform.at(time).matrix) for time in steps.tolist()])
+    return np.stack([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])
 
 
 def _items(value: Sequence[Item]) -> tuple[Item, ...]:
@@ -152,8 +174,32 @@ class Scene:
         for item in self.items:
             if id(item.shape) not in boxes:
                 boxes[id(item.shape)] = np.asarray(item.shape.bounds, np.float64)
-        placed = np.stack([placed_box(boxes[id(item.shape)], item.transform.matrix) for item in self.items])
+        placed = np.stack([_swept_box(boxes[id(item.shape)], item.transform) for item in self.items])
         return np.stack([placed[:, 0].min(axis=0), placed[:, 1].max(axis=0)])
+
+    @property
+    def shutter(self) -> tuple[float, float]:
+        """When the camera's shutter opens and closes, in seconds; (0, 0) without a camera."""
+        return (0.0, 0.0) if self.camera is None else self.camera.shutter
+
+    @property
+    def moves(self) -> bool:
+        """Whether anything moves while the shutter is open: an item or the camera."""
+        motions = [item.transform for item in self.items if isinstance(item.transform, Motion)]
+        if self.camera is not None and self.camera.motion is not None:
+            motions.append(self.camera.motion)
+        return any(motion.moves(*self.shutter) for motion in motions)
+
+    def still(self, time: float | None = None) -> Scene:
+        """The scene at a time, everything in it standing still; halfway between the shutter's opening and closing if
+        none is given. A scene in which nothing has a `Motion` is given back as it is."""
+        moving = any(isinstance(item.transform, Motion) for item in self.items)
+        if not moving and (self.camera is None or self.camera.motion is None):
+            return self
+        opened, closed = self.shutter
+        moment = opened / 2 + closed / 2 if time is None else time
+        camera = None if self.camera is None else self.camera.still(moment)
+        return self.with_(items=[item.still(moment) for item in self.items], camera=camera)
 
     def with_(self, **changes: Any) -> Scene:
         """The scene with other fields: `scene.with_(camera=...)`."""
