@@ -46,9 +46,8 @@ def lower_scene(
     Fields of one simple solid become exact primitives, unless they shall be `marched`.
 
     Items are numbered as they stand in the scene; area lights go on from there, in their order among the lights. Tables
-    of the scene lowered last are used again where only the camera or the size differ. What moves, stands as it does when
-    the shutter is half through. Endless fields reach as far as
-    lower/fields.py says. Raises `SceneError` for a scene without items that can be drawn, or without a camera.
+    of the scene lowered last are used again where only the camera or the size differ. What moves, stands as halfway
+    between the shutter's opening and closing. Endless fields reach as far as lower/fields.py says. Raises `SceneError` for a scene without items that can be drawn, or without a camera.
     """
     scene = scene.still()
     camera = camera_rows(scene, size)

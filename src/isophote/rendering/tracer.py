@@ -123,7 +123,7 @@ class Tracer:
         )
         self._threads = threads
         # The tables need some camera; rays do not.
-        view = Scene(scene.items, camera=Camera((0, 0, 1), (0, 0, 0)))
+        view = Scene(scene.still().items, camera=Camera((0, 0, 1), (0, 0, 0)))
         self._scene = lower_scene(view, (1, 1), threads, checked_accelerator(accelerator))
 
     def closest(
