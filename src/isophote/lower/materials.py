@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -102,8 +102,9 @@ class MaterialTable:
         """All materials that were numbered, in their order."""
         return tuple(self._numbers)
 
-    def build(self) -> tuple[Packed, Packed]:
-        """The tables of all materials that were numbered. Raises `SceneError` where one has too many parts."""
+    def build(self, to_own: Callable[[], Floats] | None = None) -> tuple[Packed, Packed]:
+        """The tables of all materials that were numbered, and of their textures, to which `to_own` gives the spaces of
+        items (kernels/texture/contract.py). Raises `SceneError` where a material has too many parts."""
         rows = [_linked(material) if self._all_linked else _row(material) for material in self._numbers]
         textures = [-1 if row.texture is None else self._textures.number(row.texture) for row in rows]
         values = [(*row.colour, *row.emission, row.ior, float(row.two_sided)) for row in rows]
@@ -116,7 +117,7 @@ class MaterialTable:
             branches=np.array([row.branches for row in rows], np.int32),
             **self._nodes([row.node for row in rows]),
         )
-        return materials, self._textures.build()
+        return materials, self._textures.build(to_own)
 
     def _nodes(self, roots: Sequence[Node | None]) -> dict[str, Any]:
         if not any(roots):

@@ -16,6 +16,7 @@ from isophote.lower.latest import Latest
 from isophote.lower.lights import LightTable, rectangle_mesh
 from isophote.lower.materials import MaterialTable, emission_of
 from isophote.lower.media import lower_media
+from isophote.lower.own_space import own_spaces
 from isophote.lower.primitive_table import PrimitivePart, no_primitives, primitive_of
 from isophote.scene.light import RectLight
 from isophote.scene.material import Emitter
@@ -90,7 +91,7 @@ def _tables(scene: Scene, parts: _Parts, threads: int | None, accelerator: str) 
     for number, light in enumerate(scene.lights, start=len(scene.items)):
         if not isinstance(light, RectLight):
             parts.lights.add(light, reach, number)
-    material_table, textures = parts.materials.build()
+    material_table, textures = parts.materials.build(lambda: own_spaces(scene.items, surfaces))
     return {
         "geometry": geometry,
         "surfaces": surfaces,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TypeAlias
 
 import numpy as np
@@ -71,8 +72,8 @@ class TextureTable:
         self._codes.append([first, width, height, _WRAP[picture.wrap], _FILTER[picture.filter], row])
         return len(self._codes) - 1
 
-    def build(self) -> Packed:
-        """The table of all textures that were numbered."""
+    def build(self, to_own: Callable[[], Floats] | None = None) -> Packed:
+        """The table of all textures that were numbered; `to_own` gives its field where there are textures."""
         steps = np.arange(256) / 255
         return TEXTURES.pack(
             nodes=np.array(self._nodes, np.int64).reshape(-1, NODE_WORDS),
@@ -81,6 +82,7 @@ class TextureTable:
             floats=np.ascontiguousarray(np.concatenate(self._floats), np.float32),
             decode=np.stack([srgb_to_linear(steps), steps]).astype(np.float32),
             data=np.zeros(0, np.float32),
+            to_own=to_own() if to_own is not None and self._nodes else np.zeros((0, 12), np.float32),
             colour=self._colour_entry(),
         )
 

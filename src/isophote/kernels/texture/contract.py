@@ -3,9 +3,9 @@
     look_up(textures, node, place)      leaves the linear colour and alpha of the node at a place of a surface
 
 It takes the address of the TEXTURES table, the number of the node, and the address of the record below, which says
-where the surface is looked at: in texture coordinates, in the shape's own space, and over how much of both. The patch
-of surface that a pixel sees is an ellipse; of it there are the two half-axes, which are 0 where nobody knows. A node
-may ask its children at the same record, or at another place if it puts back what it changed.
+where the surface is looked at: in texture coordinates, in the shape's own space, in the world, and over how much of
+each. The patch of surface that a pixel sees is an ellipse; of it there are the two half-axes, which are 0 where nobody
+knows. A node may ask its children at the same record, or at another place if it puts back what it changed.
 """
 
 from __future__ import annotations
@@ -40,9 +40,11 @@ LOOK_UP, PICTURE, DATA, CHILD_A, CHILD_B, CHILD_C = 0, 1, 2, 3, 4, 5
 NODE_WORDS = 8
 
 # The record. Texture coordinates and the two half-axes in them (u and v of the one, then of the other); the place in
-# the shape's own space and the half-axes there; linear red, green, blue and alpha that were found.
+# the shape's own space and the half-axes there; linear red, green, blue and alpha that were found; the place in the
+# world and the half-axes there.
 U, V, AXIS_A, AXIS_B, OWN, OWN_A, OWN_B, RESULT, ALPHA = 0, 1, 2, 4, 6, 9, 12, 16, 19
-WORDS = 24
+WORLD, WORLD_A, WORLD_B = 20, 23, 26
+WORDS = 32
 
 # Ways of a picture beyond the unit square, and between the centres of pixels.
 REPEAT, CLAMP, MIRROR = 0, 1, 2
@@ -50,7 +52,8 @@ BILINEAR, NEAREST = 0, 1
 
 # `nodes` (n, 8): the columns above. `codes` (pictures, 6): first texel, width, height, wrap, filter, and 0 or 1 for the
 # row of `decode` that 8-bit texels go through, or 2 for texels in `floats`. `bytes`, `floats` (texels, 3). `decode` (2,
-# 256): sRGB to linear, and plain. `data`: numbers of nodes. `colour`: the entry of trace/textured.py.
+# 256): sRGB to linear, and plain. `data`: numbers of nodes. `to_own` (items, 12): rows of affine 3 × 4
+# matrices from the world to the space in which an item's shape is described. `colour`: the entry of trace/textured.py.
 TEXTURES = Table(
     "Textures",
     nodes=LONG_ROWS,
@@ -59,6 +62,7 @@ TEXTURES = Table(
     floats=FLOAT_ROWS,
     decode=FLOAT_ROWS,
     data=FLOATS,
+    to_own=FLOAT_ROWS,
     colour=INT,
 )
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from isophote.kernels.accel.field_layout import FIELD
 from isophote.kernels.accel.geometry import affine_point
 from isophote.kernels.base.entry import entry, floats_at, opener_at
 from isophote.kernels.base.jit import device
@@ -21,33 +20,20 @@ from isophote.kernels.trace.tables import SCENE
 __all__ = ["colour_at", "slot_value", "write_place"]
 
 _ZERO = np.float32(0)
-_WORDS, _FIELD, _PLACE = np.int64(contract.WORDS), np.int64(FIELD), np.int64(contract.TEXTURE_PLACE)
+_WORDS, _PLACE = np.int64(contract.WORDS), np.int64(contract.TEXTURE_PLACE)
 
 _scene_at = opener_at(SCENE)
 
 
 @device
-def _own_place(scene, slot, instance, place):
-    """A place of the world in the space of the shape that was hit."""
-    if slot >= 0:
-        if scene.geometry.identity[instance] != 0:
-            return place
-        return affine_point(scene.geometry.to_object, instance, place)
-    if slot > _FIELD:
-        return affine_point(scene.primitives.to_object, instance, place)
-    return affine_point(scene.fields.to_object, instance, place)
-
-
-@device
 def write_place(scene, scratch):
     """Write the record that textures are asked with."""
-    slot = np.int64(load_int(scratch, contract.HIT_SLOT))
-    instance = np.int64(load_int(scratch, contract.HIT_INSTANCE))
     for k in range(_PLACE, _PLACE + texture.WORDS):
         scratch[k] = _ZERO
     scratch[_PLACE + texture.U], scratch[_PLACE + texture.V] = scratch[contract.U], scratch[contract.V]
-    own = _own_place(scene, slot, instance, load_vec3(scratch, contract.PLACE))
-    store_vec3(scratch, _PLACE + texture.OWN, own)
+    place, item = load_vec3(scratch, contract.PLACE), np.int64(load_int(scratch, contract.ITEM))
+    store_vec3(scratch, _PLACE + texture.WORLD, place)
+    store_vec3(scratch, _PLACE + texture.OWN, affine_point(scene.textures.to_own, item, place))
 
 
 @device
