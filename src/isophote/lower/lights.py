@@ -14,6 +14,7 @@ from isophote.kernels.base.table import Packed
 from isophote.kernels.light import emitter
 from isophote.kernels.light.emitter import LIGHTS
 from isophote.kernels.light.environment import ENVIRONMENT
+from isophote.lower.light_tree import FEWEST, is_local, no_light_tree, plant
 from isophote.scene.colour import srgb_to_linear
 from isophote.scene.light import (
     DiskLight,
@@ -40,6 +41,8 @@ _COLUMNS = 18
 _FLAT = 1e-6
 # Spheres and disks are round to this part of their size.
 _ROUND = 1e-6
+# Of lights within the scene, where others are infinitely far away.
+_SHARE_OF_TREE = 0.5
 # Numbers that pick a light are multiples of one part in so many.
 _STEPS = 2**24
 
@@ -229,10 +232,14 @@ class LightTable:
         groups, shares = _groups(kinds, numbers, powers)
         lamps = np.flatnonzero((kinds == emitter.DISK) | (kinds == emitter.SPHERE))
         lamps = np.setdiff1d(lamps, self._of_items)
+        values = np.concatenate([np.zeros((0, _COLUMNS)), *self._rows])
+        local = is_local(kinds)
+        many = local.sum() >= FEWEST
         return LIGHTS.pack(
             kinds=kinds,
-            values=np.concatenate([np.zeros((0, _COLUMNS)), *self._rows]).astype(np.float32),
-            cdf=_cumulative(powers),
+            values=values.astype(np.float32),
+            cdf=_beside_tree(local, powers) if many else _cumulative(powers),
+            tree=plant(kinds, values) if many else no_light_tree(),
             lamps=lamps.astype(np.int32),
             numbers=numbers,
             groups=groups,
@@ -285,6 +292,16 @@ def _cumulative(power: npt.NDArray[np.float64]) -> npt.NDArray[np.float32]:
     rising = np.maximum.accumulate(wanted - place) + place
     steps = np.minimum(rising, _STEPS - place[::-1])
     return (steps / _STEPS).astype(np.float32)
+
+
+def _beside_tree(local: npt.NDArray[np.bool_], power: npt.NDArray[np.float64]) -> npt.NDArray[np.float32]:
+    """As `_cumulative` where a tree picks among local lights, whose own steps are 0: all of it lies below the first
+    step, half if there are lights infinitely far away, which share the rest by their power."""
+    far = _cumulative(power[~local])
+    share = np.float32(_SHARE_OF_TREE if len(far) > 1 else 1.0)
+    before = np.concatenate([np.zeros(1, np.int64), np.cumsum(~local)])
+    steps: npt.NDArray[np.float32] = share + (1 - share) * far[before]
+    return steps
 
 
 def _lower_environment(constant: Points, picture: Environment | None) -> tuple[Packed, float]:

@@ -122,7 +122,7 @@ def _(material: Glass) -> Node:
         return Node(entries, slots, branches=2, scatters=False)
     along, across = material.roughness
     rough = rough_glass.evaluate_rough_glass, rough_glass.sample_rough_glass, None
-    return Node(rough, slots, anisotropic=along != across)
+    return Node(rough, slots, anisotropic=along != across, through=True)
 
 
 @node_of.register
@@ -157,6 +157,7 @@ def _(material: Coated) -> Node:
         branches=base.branches + int(smooth),
         scatters=base.scatters or not smooth,
         anisotropic=base.anisotropic,
+        through=base.through,
     )
 
 
@@ -170,6 +171,7 @@ def _(material: Mix) -> Node:
         branches=sum(part.branches for part in parts),
         scatters=any(part.scatters for part in parts),
         anisotropic=any(part.anisotropic for part in parts),
+        through=any(part.through for part in parts),
     )
 
 

@@ -108,7 +108,9 @@ class MaterialTable:
         rows = [_linked(material) if self._all_linked else _row(material) for material in self._numbers]
         textures = [-1 if row.texture is None else self._textures.number(row.texture) for row in rows]
         values = [(*row.colour, *row.emission, row.ior, float(row.two_sided)) for row in rows]
-        scatters = [row.kind == bsdf.MATTE if row.node is None else row.node.scatters for row in rows]
+        scatters = [
+            row.kind == bsdf.MATTE if row.node is None else row.node.scatters * (1 + row.node.through) for row in rows
+        ]
         materials = MATERIALS.pack(
             kinds=np.array([row.kind for row in rows], np.int32),
             textures=np.array(textures, np.int32),

@@ -43,8 +43,9 @@ class Slot:
 @attrs.frozen(eq=False)
 class Node:
     """A node of a material: its entries (evaluate, sample, branch), slots, numbers in `data`, what it mixes or coats,
-    how many single directions it sends light to, whether it scatters to all others, whether the tangent matters, and
-    the first of the two slots whose sum is what ambient light is multiplied by, or 0 where all of it arrives."""
+    how many single directions it sends light to, whether it scatters to all others, whether the tangent matters,
+    the first of the two slots whose sum is what ambient light is multiplied by, or 0 where all of it arrives, and
+    whether it scatters through the surface, too."""
 
     entries: tuple[Entry, Entry, Entry | None]
     slots: tuple[Slot, ...]
@@ -54,6 +55,7 @@ class Node:
     scatters: bool = True
     anisotropic: bool = False
     openness: int = 0
+    through: bool = False
 
 
 def no_nodes(materials: int) -> dict[str, Any]:

@@ -20,6 +20,7 @@ from isophote.kernels.light.environment import (
     environment_radiance,
     sample_environment,
 )
+from isophote.kernels.light.light_tree_layout import LIGHT_TREE
 
 __all__ = [
     "DISK",
@@ -56,8 +57,9 @@ _ZERO, _ONE, _TWO, _THREE = np.float32(0), np.float32(1), np.float32(2), np.floa
 _FAR, _ONE_BELOW = np.float32(np.inf), np.float32(1 - 2.0**-24)
 
 
-# `kinds` (n,); `values` (n, 18), columns above; `cdf` (n + 1,): cumulative chances of being picked; `lamps`: the disks
-# and spheres, which rays meet without a tree; `numbers` (n,): the user's number of each light.
+# `kinds` (n,); `values` (n, 18), columns above; `cdf` (n + 1,): cumulative chances of being picked, from 0, or from the
+# chance of the tree, where that picks among all lights but those infinitely far away; `lamps`: the disks and spheres,
+# which rays meet without a tree; `numbers` (n,): the user's number of each light.
 # `groups` (m, 4): the rows that are one light to the user, as first and count, 1 where that has a size, and its number;
 # `shares` (n,): where a row's part begins within its group, in proportion to power, from 0 to 1.
 LIGHTS = Table(
@@ -70,6 +72,7 @@ LIGHTS = Table(
     groups=INT_ROWS,
     shares=FLOATS,
     environment=sky.ENVIRONMENT,
+    tree=LIGHT_TREE,
 )
 
 

@@ -28,6 +28,7 @@ __all__ = [
     "branch_material",
     "evaluate_linked",
     "evaluate_material",
+    "lit_side",
     "prepare_linked",
     "prepare_material",
     "sample_linked",
@@ -35,7 +36,7 @@ __all__ = [
 ]
 
 _ZERO, _ONE = np.float32(0), np.float32(1)
-_START, _ROOT = np.int64(0), np.int64(0)
+_START, _ROOT, _THROUGH = np.int64(0), np.int64(0), np.int32(2)
 
 
 @device
@@ -51,6 +52,13 @@ def prepare_linked(scene, surface, hit, direction, scratch):
     """Write what the entries of a linked kind read."""
     write_surface(scene, surface, hit, direction, scratch)
     call_entry(scene.materials.prepare, (table_address(scene), element_address(scratch, _START)))
+
+
+@device
+def lit_side(scene, material, scratch):
+    """The shading normal on the side from which light counts, or zero where it comes through a linked kind, too."""
+    through = scene.materials.scatters[material] == _THROUGH
+    return load_vec3(scratch, contract.NORMAL) * (_ZERO if through else _ONE)
 
 
 @device

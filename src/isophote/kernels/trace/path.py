@@ -19,12 +19,7 @@ from isophote.kernels.base.jit import device, kernel
 from isophote.kernels.base.vec import dot, maximum_component, vec3
 from isophote.kernels.base.warp import INV_PI, to_disk
 from isophote.kernels.light.bsdf import BLACK, LINKED, MATTE, scatter_matte
-from isophote.kernels.light.emitter import (
-    lamp_radiance,
-    light_density,
-    pick_light,
-    sample_light,
-)
+from isophote.kernels.light.emitter import lamp_radiance, light_density, sample_light
 from isophote.kernels.light.environment import environment_density, environment_radiance
 from isophote.kernels.light.medium import (
     attenuation,
@@ -37,7 +32,8 @@ from isophote.kernels.trace import wave as rows
 from isophote.kernels.trace.batch import LAMP, trace_rays, trace_shadow_rays
 from isophote.kernels.trace.boundary import goes_smoothly, set_relative_index
 from isophote.kernels.trace.direct import is_surface, surface_of
-from isophote.kernels.trace.material import evaluate_linked, prepare_linked, sample_linked
+from isophote.kernels.trace.material import evaluate_linked, lit_side, prepare_linked, sample_linked
+from isophote.kernels.trace.pick import chance_of_light, pick_for
 from isophote.kernels.trace.samples import FIRST, Tile, develop, draw, start_paths
 from isophote.kernels.trace.shading import mirror_ray, scatter_glass_ray, seen_normal, surface_colour, surface_emission
 from isophote.kernels.trace.tables import FILM, PLAN, SCENE
@@ -81,16 +77,12 @@ def _power_weight(p, q):
 
 
 @device
-def _chance(lights, k):
-    return lights.cdf[k + 1] - lights.cdf[k]
-
-
-@device
-def _weight_of_meeting(lights, k, scattered, origin, to_light):
+def _weight_of_meeting(lights, wave, i, k, scattered, origin, to_light):
     """Share of a scattered ray of density `scattered` that meets light `k`, which could have been aimed at too."""
     if scattered == _ZERO:
         return _ONE
-    return _power_weight(scattered, _chance(lights, k) * light_density(lights, k, origin, to_light))
+    chance = chance_of_light(lights, wave.ask, k, origin, row_vec3(wave.floats, rows.FROM_NORMAL, i))
+    return _power_weight(scattered, chance * light_density(lights, k, origin, to_light))
 
 
 @device
@@ -102,12 +94,13 @@ def _sky(tables, direction, scattered):
         return radiance
     # A picture of the sky is always the last light; the constant part is not aimed at by itself.
     k = tables.lights.kinds.rows - 1
-    aimed = _chance(tables.lights, k) * environment_density(environment, direction)
+    chance = tables.lights.cdf[k + 1] - tables.lights.cdf[k]
+    aimed = chance * environment_density(environment, direction)
     return radiance * _power_weight(scattered, aimed)
 
 
 @device
-def _emitted(tables, surface, origin, direction, scattered):
+def _emitted(tables, wave, i, surface, origin, direction, scattered):
     """Radiance that a surface emits along the ray that met it, weighted."""
     emitted, two_sided = surface_emission(tables, surface)
     if maximum_component(emitted) <= _ZERO:
@@ -117,7 +110,7 @@ def _emitted(tables, surface, origin, direction, scattered):
     k = triangle_light(tables.surfaces, surface.item, surface.triangle)
     if k < 0:
         return emitted
-    return emitted * _weight_of_meeting(tables.lights, k, scattered, origin, surface.place - origin)
+    return emitted * _weight_of_meeting(tables.lights, wave, i, k, scattered, origin, surface.place - origin)
 
 
 @device
@@ -133,12 +126,15 @@ def _towards_light(tables, wave, kind, surface, shading, out, colour, direction)
 
 @device
 def _aim(tables, wave, i, at, kind, surface, boundary, shading, out, colour, carried):
-    """Aim at a light; the shadow ray goes to wave column `at`. Returns how many were made."""
+    """Aim at a light on the side of the normal `shading`, or anywhere if that is zero; the shadow ray goes to wave
+    column `at`. Returns how many were made."""
     lights = tables.lights
     if lights.kinds.rows == 0:
         return 0
     floats = wave.floats
-    k, chance, _ = pick_light(lights, floats[rows.PICK_U, i])
+    k, chance = pick_for(lights, wave.ask, surface.place, shading, floats[rows.PICK_U, i])
+    if k < 0:
+        return 0
     sample = sample_light(lights, k, surface.place, floats[rows.LIGHT_U, i], floats[rows.LIGHT_V, i])
     direction = vec3(sample.x, sample.y, sample.z)
     value, q = _towards_light(tables, wave, kind, surface, shading, out, colour, direction)
@@ -176,7 +172,7 @@ def _survives(worth_tracing, plan, depth, carried, u):
 
 
 @device
-def _go_on(worth_tracing, plan, wave, depth, i, to, surface, into, carried, density, inside):
+def _go_on(worth_tracing, plan, wave, depth, i, to, surface, shading, into, carried, density, inside):
     """Write the ray that goes on to wave column `to`. Returns how many were written: 1, or 0 where the path ends."""
     floats, ints = wave.floats, wave.ints
     factor = _survives(worth_tracing, plan, depth, carried, floats[rows.PICK_V, i])
@@ -185,6 +181,7 @@ def _go_on(worth_tracing, plan, wave, depth, i, to, surface, into, carried, dens
     set_row_vec3(floats, rows.ORIGIN, to, start)
     set_row_vec3(floats, rows.DIRECTION, to, into)
     set_row_vec3(floats, rows.CARRIED, to, carried * factor)
+    set_row_vec3(floats, rows.FROM_NORMAL, to, shading)
     floats[rows.DENSITY, to] = density
     floats[rows.HIT_T, to] = _FAR
     ints[rows.PIXEL, to] = ints[rows.PIXEL, i]
@@ -225,7 +222,7 @@ def _shade(tables, plan, wave, count, depth):
                 k = longs[rows.HIT_INSTANCE, i]
                 to_light = direction * floats[rows.HIT_T, i]
                 radiance = lamp_radiance(tables.lights, k, origin + to_light, direction)
-                weight = _weight_of_meeting(tables.lights, k, scattered, origin, to_light)
+                weight = _weight_of_meeting(tables.lights, wave, i, k, scattered, origin, to_light)
                 add_radiance(wave, owner, carried * radiance * weight)
             else:
                 add_radiance(wave, owner, carried * _sky(tables, direction, scattered))
@@ -238,7 +235,7 @@ def _shade(tables, plan, wave, count, depth):
         kind = tables.materials.kinds[material]
         boundary = surface_boundary(tables.media, material, inside, dot(direction, surface.normal) < _ZERO)
         carried = carried * attenuation(tables.media, boundary.before, hit.t)
-        emitted = _emitted(tables, surface, origin, direction, scattered)
+        emitted = _emitted(tables, wave, i, surface, origin, direction, scattered)
         if maximum_component(emitted) > _ZERO:
             add_radiance(wave, owner, carried * emitted)
         if depth == plan.max_depth or kind == BLACK:
@@ -250,25 +247,28 @@ def _shade(tables, plan, wave, count, depth):
             shadows += _aim(tables, wave, i, shadows, kind, surface, boundary, shading, -direction, colour, carried)
             into, density = scatter_matte(shading, floats[rows.SCATTER_U, i], floats[rows.SCATTER_V, i])
             if dot(into, surface.normal) * dot(direction, surface.normal) < _ZERO:
-                alive += _go_on(worth, plan, wave, depth, i, alive, surface, into, carried * colour, density, inside)
+                carried = carried * colour
+                alive += _go_on(worth, plan, wave, depth, i, alive, surface, shading, into, carried, density, inside)
         elif goes_smoothly(tables, material, boundary):
             u = floats[rows.PICK_U, i]
             into, weight, inside = _cross_glass(tables.media, surface, direction, boundary, inside, colour, u)
-            alive += _go_on(worth, plan, wave, depth, i, alive, surface, into, carried * weight, _ZERO, inside)
+            carried = carried * weight
+            alive += _go_on(worth, plan, wave, depth, i, alive, surface, direction, into, carried, _ZERO, inside)
         elif kind == LINKED:
             prepare_linked(tables, surface, hit, direction, wave.scratch)
             set_relative_index(tables, material, boundary, dot(direction, surface.normal) < _ZERO, wave.scratch)
+            lit = lit_side(tables, material, wave.scratch)
             if tables.materials.scatters[material] != 0:
-                shadows += _aim(
-                    tables, wave, i, shadows, kind, surface, boundary, direction, direction, colour, carried
-                )
+                shadows += _aim(tables, wave, i, shadows, kind, surface, boundary, lit, direction, colour, carried)
             x, y = floats[rows.SCATTER_U, i], floats[rows.SCATTER_V, i]
             into, weight, density = sample_linked(tables, surface, x, y, floats[rows.PICK_U, i], wave.scratch)
             inside = boundary.inside if dot(into, surface.normal) * dot(direction, surface.normal) > _ZERO else inside
-            alive += _go_on(worth, plan, wave, depth, i, alive, surface, into, carried * weight, density, inside)
+            carried = carried * weight
+            alive += _go_on(worth, plan, wave, depth, i, alive, surface, lit, into, carried, density, inside)
         else:
             into = mirror_ray(surface, direction)
-            alive += _go_on(worth, plan, wave, depth, i, alive, surface, into, carried * colour, _ZERO, inside)
+            carried = carried * colour
+            alive += _go_on(worth, plan, wave, depth, i, alive, surface, direction, into, carried, _ZERO, inside)
     return alive, shadows
 
 

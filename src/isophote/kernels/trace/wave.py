@@ -14,6 +14,7 @@ from isophote.kernels.base import table
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.table import Packed
 from isophote.kernels.base.vec import vec3
+from isophote.kernels.light.light_tree_layout import ASK_WORDS
 
 __all__ = [
     "WAVE",
@@ -31,7 +32,9 @@ ORIGIN, DIRECTION, CARRIED, RADIANCE, SHADOW_ORIGIN, SHADOW_DIRECTION, SHADOW_LI
 # for the film and lens, or for picking a light and ending the path, for a place on the light, and for scattering.
 DENSITY, SHADOW_END, HIT_T, HIT_W1, HIT_W2 = 21, 22, 23, 24, 25
 PICK_U, PICK_V, LIGHT_U, LIGHT_V, SCATTER_U, SCATTER_V = 26, 27, 28, 29, 30, 31
-FLOAT_COUNT = 32
+# Three rows: the normal by which lights were picked where the ray begins (light_tree_layout.py).
+FROM_NORMAL = 32
+FLOAT_COUNT = 35
 
 # Unsigned rows: the pixel's number for sampling, sample, column of the path at the wave's start, the same for its
 # shadow ray, whether that is blocked, and the place on the film of the path that began in this column.
@@ -43,8 +46,15 @@ HIT_SLOT, HIT_INSTANCE, ORDER, INSIDE = 0, 1, 2, 3
 LONG_COUNT = 4
 
 
-# `floats`, `ints`, `longs`: the rows above; `scratch` for the traversal.
-WAVE = table.Table("Wave", floats=table.FLOAT_ROWS, ints=table.WORD_ROWS, longs=table.LONG_ROWS, scratch=table.FLOATS)
+# `floats`, `ints`, `longs`: the rows above; `scratch` for the traversal; `ask`: what a light tree is asked.
+WAVE = table.Table(
+    "Wave",
+    floats=table.FLOAT_ROWS,
+    ints=table.WORD_ROWS,
+    longs=table.LONG_ROWS,
+    scratch=table.FLOATS,
+    ask=table.FLOATS,
+)
 
 
 def new_wave(size: int, scratch: int = SCRATCH_WORDS) -> Packed:
@@ -54,6 +64,7 @@ def new_wave(size: int, scratch: int = SCRATCH_WORDS) -> Packed:
         ints=np.zeros((INT_COUNT, size), np.uint32),
         longs=np.zeros((LONG_COUNT, size), np.int64),
         scratch=np.zeros(scratch, np.float32),
+        ask=np.zeros(ASK_WORDS, np.float32),
     )
 
 
