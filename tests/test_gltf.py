@@ -25,10 +25,10 @@ from gltf_files import (
 )
 from isophote import (
     FileError,
+    ImageTexture,
     IsophoteWarning,
     Mesh,
     Scene,
-    Texture,
     load_mesh,
     load_scene,
 )
@@ -248,7 +248,7 @@ def test_texture_transforms_are_applied_to_the_coordinates() -> None:
     found = item.shape.uvs.values
     assert np.allclose(found, [[0, 0], [0, 0.5], [0.5, 0.5]])
     assert isinstance(item.material, iso.Principled)
-    assert item.material.colour_texture == Texture.missing("none.png")
+    assert item.material.colour_texture == ImageTexture.missing("none.png")
 
 
 def test_missing_pictures_are_errors_when_asked_for() -> None:

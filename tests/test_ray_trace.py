@@ -266,7 +266,7 @@ def test_on_the_command_line(tmp_path):
 def half_covered(strength: float) -> iso.Principled:
     """A white surface whose occlusion texture tells 0.25 on the left and 1 on the right."""
     texels = np.array([[[0.25, 0.9, 0.1], [1.0, 0.0, 0.6]]], np.float32)
-    covered = iso.Texture(texels, colour_space="linear", filter="nearest")
+    covered = iso.ImageTexture(texels, colour_space="linear", filter="nearest")
     return iso.Principled(1.0, roughness=1.0, occlusion_texture=covered, occlusion_strength=strength)
 
 

@@ -131,6 +131,7 @@ _HOME = {
     "star": "shapes.field.field2",
     "studio": "scene.studio",
     "text": "shapes.field.field2",
+    "texture_values": "lower.texture_probe",
     "to_glsl": "convert.glsl",
     "to_mesh": "convert.contour",
     "torus": "shapes.field.rounds",

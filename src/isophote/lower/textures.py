@@ -33,8 +33,8 @@ class TextureTable:
         self._numbers: dict[Texture, int] = {}
         self._nodes: list[list[int]] = []
         self._codes: list[list[int]] = []
-        self._bytes: list[Texels] = [np.zeros((0, 3), np.uint8)]
-        self._floats: list[Texels] = [np.zeros((0, 3), np.float32)]
+        self._bytes: list[Texels] = [np.zeros((0, 4), np.uint8)]
+        self._floats: list[Texels] = [np.zeros((0, 4), np.float32)]
 
     def number(self, texture: Texture) -> int:
         """The node of a texture."""
@@ -59,12 +59,8 @@ class TextureTable:
     def _picture(self, picture: ImageTexture) -> int:
         """Row of `codes` of a picture."""
         width, height = picture.size
-        pixels = picture.pixels.reshape(height, width, -1)
-        rgb = np.broadcast_to(pixels[..., :1], (height, width, 3)) if picture.channels == 1 else pixels[..., :3]
-        texels: Texels = rgb.reshape(-1, 3)
+        texels = _with_alpha(picture)
         is_bytes = texels.dtype == np.uint8
-        if not is_bytes and picture.colour_space == "srgb":
-            texels = srgb_to_linear(texels)
         row = _FLOATS if not is_bytes else (_PLAIN if picture.colour_space == "linear" else 0)
         parts = self._bytes if is_bytes else self._floats
         first = sum(map(len, parts))
@@ -93,3 +89,16 @@ class TextureTable:
         from isophote.kernels.trace.textured import colour_at
 
         return colour_at.address
+
+
+def _with_alpha(picture: ImageTexture) -> Texels:
+    """(texels, 4): the picture's pixels row by row, floats in linear light, opaque where it has no alpha."""
+    pixels = picture.pixels.reshape(-1, picture.channels)
+    is_bytes = pixels.dtype == np.uint8
+    texels = np.full((len(pixels), 4), 255 if is_bytes else 1, pixels.dtype)
+    texels[:, :3] = pixels if picture.channels == 1 else pixels[:, :3]
+    if not is_bytes and picture.colour_space == "srgb":
+        texels[:, :3] = srgb_to_linear(texels[:, :3])
+    if picture.channels == 4:
+        texels[:, 3] = pixels[:, 3]
+    return texels

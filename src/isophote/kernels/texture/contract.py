@@ -51,9 +51,10 @@ REPEAT, CLAMP, MIRROR = 0, 1, 2
 BILINEAR, NEAREST = 0, 1
 
 # `nodes` (n, 8): the columns above. `codes` (pictures, 6): first texel, width, height, wrap, filter, and 0 or 1 for the
-# row of `decode` that 8-bit texels go through, or 2 for texels in `floats`. `bytes`, `floats` (texels, 3). `decode` (2,
-# 256): sRGB to linear, and plain. `data`: numbers of nodes. `to_own` (items, 12): rows of affine 3 × 4
-# matrices from the world to the space in which an item's shape is described. `colour`: the entry of trace/textured.py.
+# row of `decode` that 8-bit colours go through, or 2 for texels in `floats`. `bytes`, `floats` (texels, 4): red, green,
+# blue, and alpha, which is never encoded. `decode` (2, 256): sRGB to linear, and plain. `data`: numbers of nodes.
+# `to_own` (items, 12): rows of affine 3 × 4 matrices from the world to the space in which an item's shape is described.
+# `colour`: the entry of trace/textured.py.
 TEXTURES = Table(
     "Textures",
     nodes=LONG_ROWS,

@@ -14,6 +14,8 @@ from isophote.kernels.texture.contract import CLAMP, MIRROR, NEAREST, PICTURE, R
 __all__ = ["image"]
 
 _HALF, _ONE = np.float32(0.5), np.float32(1)
+# Row of `decode` that alpha goes through.
+_PLAIN = np.int64(1)
 # Coordinates of a clamped or mirrored texture beyond this many pictures are cut, so that texel numbers stay exact.
 _BOUND = np.float32(2**10)
 
@@ -37,14 +39,22 @@ def _texel(textures, number, x, y):
     row = codes[number, 5]
     if row == 2:
         texels = textures.floats
-        return vec3(texels[at, 0], texels[at, 1], texels[at, 2])
+        return vec3(texels[at, 0], texels[at, 1], texels[at, 2]), texels[at, 3]
     texels, decode = textures.bytes, textures.decode
-    return vec3(decode[row, texels[at, 0]], decode[row, texels[at, 1]], decode[row, texels[at, 2]])
+    colour = vec3(decode[row, texels[at, 0]], decode[row, texels[at, 1]], decode[row, texels[at, 2]])
+    return colour, decode[_PLAIN, texels[at, 3]]
+
+
+@device
+def _between(first, second, share):
+    """(colour, alpha) that much of the way from one to another."""
+    rest = _ONE - share
+    return first[0] * rest + second[0] * share, first[1] * rest + second[1] * share
 
 
 @device
 def _colour(textures, number, u, v):
-    """Linear colour of picture `number` at (u, v), whose origin is the picture's lower left corner."""
+    """Linear (colour, alpha) of picture `number` at (u, v), whose origin is the picture's lower left corner."""
     codes = textures.codes
     # The fractional part first: large coordinates would overflow the texel's number.
     x = (u - math.floor(u) if codes[number, 3] == REPEAT else min(max(u, -_BOUND), _BOUND)) * codes[number, 1]
@@ -56,9 +66,9 @@ def _colour(textures, number, u, v):
     left, upper = math.floor(x), math.floor(y)
     a, b = np.float32(x - left), np.float32(y - upper)
     i, j = np.int64(left), np.int64(upper)
-    top = _texel(textures, number, i, j) * (_ONE - a) + _texel(textures, number, i + 1, j) * a
-    low = _texel(textures, number, i, j + 1) * (_ONE - a) + _texel(textures, number, i + 1, j + 1) * a
-    return top * (_ONE - b) + low * b
+    top = _between(_texel(textures, number, i, j), _texel(textures, number, i + 1, j), a)
+    low = _between(_texel(textures, number, i, j + 1), _texel(textures, number, i + 1, j + 1), a)
+    return _between(top, low, b)
 
 
 @entry
@@ -66,4 +76,5 @@ def image(textures, node, record):
     """The picture's colour; bilinear between the centres of pixels, or the nearest one's."""
     place = open_place(textures, node, record)
     number = np.int64(place.textures.nodes[node, PICTURE])
-    return answer(place, _colour(place.textures, number, place.record[U], place.record[V]), _ONE)
+    colour, alpha = _colour(place.textures, number, place.record[U], place.record[V])
+    return answer(place, colour, alpha)
