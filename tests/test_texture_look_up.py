@@ -85,14 +85,14 @@ def test_one_place_and_many() -> None:
     many = np.tile(np.float32([[0.3, 0.6]]), (70_000, 1))
     assert (iso.texture_values(picture, many) == iso.texture_values(picture, (0.3, 0.6))).all()
     assert iso.texture_values(picture).shape == (1, 4)
-    assert iso.texture_values(picture, place=np.zeros((5, 3))).shape == (5, 4)
+    assert iso.texture_values(picture, own=np.zeros((5, 3))).shape == (5, 4)
 
 
 @pytest.mark.parametrize(
     ("given", "said"),
     [
         ({"uv": np.zeros((3, 3))}, r"uv must be \(n, 2\) or \(2\)"),
-        ({"uv": np.zeros((3, 2)), "place": np.zeros((4, 3))}, r"\[3, 4\] places"),
+        ({"uv": np.zeros((3, 2)), "own": np.zeros((4, 3))}, r"\[3, 4\] numbers"),
         ({"uv": [np.nan, 0]}, "uv must be finite"),
         ({"uv": "here"}, "uv must be numbers"),
         ({"uv_axes": np.zeros((2, 3))}, r"uv_axes must be \(n, 2, 2\)"),
