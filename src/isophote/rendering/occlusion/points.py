@@ -20,6 +20,7 @@ from isophote.lower.scene import lower_scene
 from isophote.progress import ProgressLike, Reporter, reporter
 from isophote.rendering.method import checked_seed
 from isophote.rendering.occlusion.directions import hemicube
+from isophote.rendering.occlusion.order import near_each_other
 from isophote.rendering.pool import Pool
 from isophote.scene.camera import Camera
 from isophote.scene.scene import Item, Scene, Shape
@@ -96,20 +97,23 @@ def ambient_occlusion(
     where = _points_of(subject, points, normals, bias)
     directions, count, warp = _directions(by, weights, samples)
     reach, number = checked_reach(max_distance), checked_seed(seed)
-    found = np.zeros((len(where.points), 4))
+    order = near_each_other(where.points)
+    sums = np.zeros((len(order), 4))
     openings = kernels.OPENINGS.pack(
-        points=where.points,
-        normals=where.normals,
-        bias=where.bias,
+        points=where.points[order],
+        normals=where.normals[order],
+        bias=where.bias[order],
         samples=count,
         seed=number,
         warp=warp,
         reach=reach,
         directions=directions,
-        open=found,
+        open=sums,
     )
     with reporter(progress) as report:
-        trace(scene, openings, len(where.points), count, report, threads)
+        trace(scene, openings, len(order), count, report, threads)
+    found = np.empty_like(sums)
+    found[order] = sums
     return _summed(found, 1.0 if warp == kernels.GIVEN else float(count))
 
 
