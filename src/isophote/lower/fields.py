@@ -2,26 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from isophote.accel.field_tree import FieldTree, build_field_tree
-from isophote.accel.tree import build_boxes
 from isophote.errors import SceneError
-from isophote.kernels.accel.field_layout import BALL, CHILDREN, FIELDS, FIRST_TAPE, NODE
+from isophote.kernels.accel.field_layout import BALL, CHILDREN, FIELDS, FIRST_TAPE, NODE, STRETCH
 from isophote.kernels.accel.field_surface import field_surface
 from isophote.kernels.accel.field_trace import trace_field
 from isophote.kernels.base.table import Packed
 from isophote.kernels.forms.tape_entries import pack_interpreters
 from isophote.lower.field_table import FieldPart, endless
+from isophote.lower.placement import repacked, tree_over
 from isophote.scene.scene import placed_box
 from isophote.shapes.field.evaluate import packed_data
 from isophote.shapes.field.tape import tape_of
 
-__all__ = ["HORIZON", "lower_fields"]
+__all__ = ["HORIZON", "lower_fields", "moved_fields"]
 
 Matrix: TypeAlias = npt.NDArray[np.float64]
 Ints: TypeAlias = npt.NDArray[np.int32]
@@ -35,6 +35,8 @@ _BEYOND = 2.0**-8
 _LEAST_STEP = 2.0**-22
 # Extents beyond this leave no room for arithmetic in single precision.
 _LARGEST = 1e15
+# What the packed fields hold beside their table: what rays are clipped to, in each one's own space, and their boxes.
+_CLIPS, _BOXES = "clips", "boxes of fields"
 
 
 class _Lowered(NamedTuple):
@@ -132,12 +134,9 @@ def _packed(parts: Sequence[FieldPart], found: Sequence[_Lowered], surface: int,
         root = first_node + tree.root if tree.root > 0 else tree.root - first_tape
         numbers[k] = root, tree.levels, first_tape, surface + k, first_node
         reach = max(float(np.abs(one.low).max()), float(np.abs(one.low + one.side).max()))
-        stretch = float(np.abs(part.matrix[:3, :3]).sum(axis=1).max())
-        cubes[k, :BALL] = *one.low, one.side, *one.clip[0], *one.clip[1], stretch, _LEAST_STEP * reach, one.detail
-        middle = (one.box[0] + one.box[1]) / 2
-        cubes[k, BALL:] = *middle, float(np.linalg.norm(one.box[1] - middle)) * (1 + 1e-6)
+        cubes[k, :BALL] = *one.low, one.side, *one.clip[0], *one.clip[1], 0.0, _LEAST_STEP * reach, one.detail
+        _put(cubes[k], part.matrix, one.box)
     boxes = np.array([one.box for one in found], np.float32).reshape(-1, 2, 3)
-    top = build_boxes(boxes[:, 0], boxes[:, 1]) if len(found) > 1 else None
     data = _data(found)
     packed = FIELDS.pack(
         rows=np.concatenate(rows),
@@ -149,15 +148,35 @@ def _packed(parts: Sequence[FieldPart], found: Sequence[_Lowered], surface: int,
         to_object=np.array([np.linalg.inv(part.matrix)[:3].reshape(-1) for part in parts]).reshape(-1, 12),
         to_world=np.array([part.matrix[:3].reshape(-1) for part in parts], np.float64).reshape(-1, 12),
         data=data,
-        top_nodes=top.nodes if top else np.zeros(0, np.float32),
-        top_items=top.blocks.astype(np.int32, copy=False) if top else np.zeros(0, np.int32),
+        **tree_over(boxes),
         trace=entries[0],
         surface=entries[1],
         longest=longest,
         interpreters=pack_interpreters(),
     )
     # The words of `data` point at tables that must live as long.
-    return Packed(packed.words, packed.arrays | {"tables": tuple(one.data for one in found)})
+    held = {"tables": tuple(one.data for one in found), _CLIPS: [one.clip for one in found], _BOXES: boxes}
+    return Packed(packed.words, packed.arrays | held)
+
+
+def _put(cube: npt.NDArray[np.float32], matrix: Matrix, box: Matrix) -> None:
+    """What a field's row of `cubes` says of where it stands: by a matrix, in a box in the world."""
+    cube[STRETCH] = float(np.abs(matrix[:3, :3]).sum(axis=1).max())
+    middle = (box[0] + box[1]) / 2
+    cube[BALL:] = *middle, float(np.linalg.norm(box[1] - middle)) * (1 + 1e-6)
+
+
+def moved_fields(packed: Packed, matrices: Mapping[int, Matrix]) -> Packed:
+    """Lowered fields with other `matrices` for those of these numbers; all else is shared. Endless ones end where they
+    did in their own space."""
+    names = "cubes", "to_object", "to_world", _BOXES
+    cubes, to_object, to_world, boxes = (packed.arrays[name].copy() for name in names)
+    for k, matrix in matrices.items():
+        box = placed_box(packed.arrays[_CLIPS][k], matrix)
+        _put(cubes[k], matrix, box)
+        to_object[k], to_world[k] = np.linalg.inv(matrix)[:3].reshape(-1), matrix[:3].reshape(-1)
+        boxes[k] = box
+    return repacked(FIELDS, packed, cubes=cubes, to_object=to_object, to_world=to_world, **tree_over(boxes))
 
 
 def _moved(nodes: Ints, node: int, tape: int) -> Ints:

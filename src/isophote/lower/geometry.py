@@ -9,13 +9,12 @@ import numpy as np
 import numpy.typing as npt
 
 from isophote.accel.accelerator import Built, build_accelerator
-from isophote.accel.tree import build_boxes
 from isophote.convert.triangulate import Triangles, triangulate
 from isophote.errors import SceneError
-from isophote.kernels.accel.geometry import GEOMETRY
 from isophote.kernels.accel.surface import SURFACES
 from isophote.kernels.base.table import Packed
 from isophote.lower.objects import join_objects, keep_alive
+from isophote.lower.placement import IDENTITY, Place, place_instances
 from isophote.shapes.mesh import Attribute, Mesh
 
 __all__ = ["Part", "lower_geometry"]
@@ -27,19 +26,18 @@ Matrix: TypeAlias = npt.NDArray[np.float64]
 # A mesh used several times is still copied into the world's one tree if the copies stay below this many triangles: an
 # instance costs every ray that comes near its box.
 _BAKED_TRIANGLES = 65_536
-_ROUNDING = 32 * 2.0**-24
-_IDENTITY = np.eye(4)
 
 
 class Part(NamedTuple):
-    """An item made ready for lowering: its mesh, where it stands, its material's number, its number for the user, and
-    for each triangle (or None) the number of the light that it is."""
+    """An item made ready for lowering: its mesh, where it stands, its material's number, its number for the user, for
+    each triangle (or None) the number of the light that it is, and whether it will be moved."""
 
     mesh: Mesh
     matrix: Matrix
     material: int
     public: int
     lights: IntArray | None
+    moving: bool = False
 
 
 class _Rows:
@@ -105,7 +103,7 @@ class _SurfaceBuilder:
         if attribute is None:
             return -1
         values = np.asarray(attribute.values[:, :3], np.float64)
-        if not (linear == _IDENTITY[:3, :3]).all():
+        if not (linear == IDENTITY[:3, :3]).all():
             values = values @ np.linalg.inv(linear)
             return self.normal_corners.add(_rows_of(attribute, mesh, cut, self.normals.add(_floats(values))))
         first = self.normals.once(mesh, _floats(values))
@@ -146,7 +144,7 @@ def _rows_of(attribute: Attribute, mesh: Mesh, cut: Triangles, first: int) -> In
 def _placed(part: Part) -> FloatArray:
     """Vertices in the world, in single precision."""
     vertices = part.mesh.vertices
-    if (part.matrix == _IDENTITY).all():
+    if (part.matrix == IDENTITY).all():
         return _floats(vertices)
     return _floats(vertices @ part.matrix[:3, :3].T + part.matrix[:3, 3])
 
@@ -168,6 +166,18 @@ def _merge(pieces: Sequence[tuple[FloatArray, IntArray]]) -> _World:
     return _World(np.concatenate([p for p, _ in pieces]), np.concatenate(triangles))
 
 
+class _Instance(NamedTuple):
+    """An object's number, where it stands, and the first of its items and how many they are."""
+
+    object: int
+    place: Place
+    items: tuple[int, int]
+
+
+def _instance(objects: Sequence[Built], number: int, matrix: Matrix, public: int, items: tuple[int, int]) -> _Instance:
+    return _Instance(number, Place(objects[number].bounds.astype(np.float64), matrix, public), items)
+
+
 def lower_geometry(
     parts: Sequence[Part],
     bare: Sequence[tuple[int, int, int]] = (),
@@ -177,10 +187,10 @@ def lower_geometry(
     """Trees (or other accelerators), instances and surfaces of all parts, and the world's bounds, (2, 3) float32, of
     which the least is above the greatest where there are none.
 
-    What is used once, or often but small, becomes one tree in the world; what is left becomes instances of one tree a
-    mesh. `bare` are material, number for the user and light (or −1) of items that have no triangles; they get the rows
-    of the surfaces' items behind those of the parts. Raises `SceneError` where coordinates leave the range of single
-    precision.
+    What is used once, or often but small, becomes one tree in the world; what is left, and what will be moved, becomes
+    instances of one tree a mesh. `bare` are material, number for the user and light (or −1) of items that have no
+    triangles; they get the rows of the surfaces' items behind those of the parts. Raises `SceneError` where coordinates
+    leave the range of single precision.
     """
     uses: dict[int, int] = {}
     for part in parts:
@@ -189,11 +199,13 @@ def lower_geometry(
 
     def stands_alone(part: Part) -> bool:
         count = uses[id(part.mesh)]
+        if part.moving:
+            return False
         return count == 1 or count * len(cuts[id(part.mesh)].triangles) <= _BAKED_TRIANGLES
 
     surfaces = _SurfaceBuilder()
     objects: list[Built] = []
-    instances: list[tuple[int, Matrix, int, int]] = []  # object, matrix, first item, items
+    instances: list[_Instance] = []
     pieces: list[tuple[FloatArray, IntArray]] = []
     first = 0
     for part in parts:
@@ -203,8 +215,8 @@ def lower_geometry(
             pieces.append((_placed(part), cut.triangles))
             first += len(cut.triangles)
     if pieces or not parts:
-        instances.append((0, _IDENTITY, 0, len(pieces)))
         objects.append(_build(accelerator, *_merge(pieces), threads))
+        instances.append(_instance(objects, 0, IDENTITY, -1, (0, len(pieces))))
     shared: dict[int, int] = {}
     for part in parts:
         if not stands_alone(part):
@@ -212,60 +224,18 @@ def lower_geometry(
             if id(part.mesh) not in shared:
                 shared[id(part.mesh)] = len(objects)
                 objects.append(_build(accelerator, _floats(part.mesh.vertices), cut.triangles, threads))
-            instances.append((shared[id(part.mesh)], part.matrix, len(surfaces.items), 1))
-            surfaces.add(part, cut, 0, _IDENTITY)
+            number = shared[id(part.mesh)]
+            instances.append(_instance(objects, number, part.matrix, part.public, (len(surfaces.items), 1)))
+            surfaces.add(part, cut, 0, IDENTITY)
     for row in bare:
         surfaces.add_bare(*row)
-    geometry, slack, bounds = _instances(accelerator, objects, instances)
-    spans = np.array([row[2:] for row in instances], np.int32).reshape(-1, 2)
-    return geometry, surfaces.build(spans, slack), bounds
+    fields = join_objects(accelerator, objects, [instance.object for instance in instances])
+    geometry, slack, bounds = place_instances(fields, [instance.place for instance in instances])
+    spans = np.array([instance.items for instance in instances], np.int32).reshape(-1, 2)
+    return keep_alive(geometry, [built.tables for built in objects]), surfaces.build(spans, slack), bounds
 
 
 def _build(accelerator: str, positions: FloatArray, triangles: IntArray, threads: int | None) -> Built:
     if not np.isfinite(positions).all():
         raise SceneError("an item's placed vertices leave the range of single precision (3.4e38); scale the scene down")
     return build_accelerator(accelerator, positions, triangles, threads)
-
-
-def _instances(
-    accelerator: str, objects: Sequence[Built], instances: Sequence[tuple[int, Matrix, int, int]]
-) -> tuple[Packed, FloatArray, FloatArray]:
-    """The tables of instances, with the rounding that each one's transform brings, and the world's bounds."""
-    count = len(instances)
-    to_world = np.zeros((count, 12), np.float32)
-    to_object = np.zeros((count, 12), np.float32)
-    boxes = np.zeros((count, 2, 3), np.float32)
-    identity = np.zeros(count, np.uint8)
-    slack = np.zeros(count, np.float32)
-    for k, (number, matrix, _, _) in enumerate(instances):
-        to_world[k] = matrix[:3].reshape(-1)
-        to_object[k] = np.linalg.inv(matrix)[:3].reshape(-1)
-        identity[k] = (matrix == _IDENTITY).all()
-        boxes[k], slack[k] = _placed_box(objects[number].bounds.astype(np.float64), matrix, bool(identity[k]))
-    top = build_boxes(boxes[:, 0], boxes[:, 1]) if count > 1 else None
-    geometry = GEOMETRY.pack(
-        **join_objects(accelerator, objects, [row[0] for row in instances]),
-        to_object=to_object,
-        to_world=to_world,
-        identity=identity,
-        top_nodes=top.nodes if top else np.zeros(0, np.float32),
-        top_items=top.blocks.astype(np.int32, copy=False) if top else np.zeros(0, np.int32),
-    )
-    geometry = keep_alive(geometry, [built.tables for built in objects])
-    return geometry, slack, np.stack([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])
-
-
-def _placed_box(box: Matrix, matrix: Matrix, identity: bool) -> tuple[Matrix, float]:
-    """An instance's box in the world, widened by its rounding, and that rounding."""
-    if identity:
-        return box, 0.0
-    corners = np.array([[box[i, 0], box[j, 1], box[k, 2], 1.0] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
-    placed = corners @ matrix[:3].T
-    local = float(np.abs(box).max())
-    there, back = np.abs(matrix[:3]), np.abs(np.linalg.inv(matrix)[:3])
-    stretch = float(there[:, :3].sum(axis=1).max())
-    far = np.abs(placed).max(axis=0)
-    # Rays come back to the object with rounding of their own, which the transform then stretches.
-    returned = float((there[:, :3] @ (back[:, :3] @ far + back[:, 3])).max())
-    slack = _ROUNDING * (stretch * local + float(there[:, 3].max()) + float(far.max()) + returned)
-    return np.stack([placed.min(axis=0) - slack, placed.max(axis=0) + slack]), slack

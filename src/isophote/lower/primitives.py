@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
@@ -17,11 +17,12 @@ from isophote.kernels.primitive.layout import PRIMITIVES
 from isophote.kernels.primitive.surface import primitive_surface
 from isophote.kernels.primitive.trace import trace_primitive
 from isophote.kernels.primitive.trace_lanes import trace_primitive_lanes
+from isophote.lower.placement import repacked
 from isophote.lower.primitive_table import PrimitivePart
 from isophote.shapes.primitive.extent import ball_around, box_around
 from isophote.shapes.primitive.primitive import Primitive
 
-__all__ = ["KINDS", "Kind", "lower_primitives", "own_numbers"]
+__all__ = ["KINDS", "Kind", "lower_primitives", "moved_primitives", "own_numbers"]
 
 Floats: TypeAlias = npt.NDArray[np.float64]
 
@@ -33,6 +34,8 @@ _LARGEST = 1e15
 _ROUNDING = 64 * 2.0**-53
 # Boxes and balls grow by this part of their size and place, more than their rounding to single precision.
 _SLACK = 2.0**-22
+# What packed primitives hold beside their table.
+_BOXES = "boxes of primitives"
 
 
 def _as_they_are(values: Floats) -> Floats:
@@ -99,7 +102,7 @@ def lower_primitives(parts: Sequence[PrimitivePart], surface: int) -> Packed:
     first = np.cumsum([0, *map(len, numbers)])[:-1]
     kinds = [KINDS[primitive.kind] for primitive in placed]
     alone, top = _tree(boxes, finite)
-    return PRIMITIVES.pack(
+    packed = PRIMITIVES.pack(
         numbers=np.column_stack([surface + np.arange(len(parts)), first]).astype(np.int32),
         entries=np.array([_addresses(kind) for kind in kinds], np.int64),
         reach=np.array([_reach(primitive, box) for primitive, box in zip(placed, boxes, strict=True)], np.float32),
@@ -112,6 +115,21 @@ def lower_primitives(parts: Sequence[PrimitivePart], surface: int) -> Packed:
         trace_lanes=trace_primitive_lanes.address,
         surface=primitive_surface.address,
     )
+    return Packed(packed.words, packed.arrays | {_BOXES: boxes})
+
+
+def moved_primitives(packed: Packed, moved: Mapping[int, PrimitivePart]) -> Packed:
+    """Lowered primitives with the same ones placed elsewhere in these rows; all else is shared."""
+    names = _BOXES, "reach", "to_object", "to_world"
+    boxes, reach, to_object, to_world = (packed.arrays[name].copy() for name in names)
+    for k, part in moved.items():
+        boxes[k] = box_around(part.primitive)
+        _check([part], boxes[k : k + 1], np.isfinite(boxes[k : k + 1]).all(axis=(1, 2)))
+        reach[k] = _reach(part.primitive, boxes[k])
+        matrix = part.primitive.matrix
+        to_object[k], to_world[k] = np.linalg.inv(matrix)[:3].reshape(-1), matrix[:3].reshape(-1)
+    alone, top = _tree(boxes, np.isfinite(boxes).all(axis=(1, 2)))
+    return repacked(PRIMITIVES, packed, reach=reach, to_object=to_object, to_world=to_world, alone=alone, **top)
 
 
 def _addresses(kind: Kind) -> tuple[int, int, int]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence, Set
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -20,7 +21,7 @@ from isophote.lower.own_space import own_spaces
 from isophote.lower.primitive_table import PrimitivePart, no_primitives, primitive_of
 from isophote.scene.light import RectLight
 from isophote.scene.material import Emitter
-from isophote.scene.scene import Item, Scene, placed_box
+from isophote.scene.scene import Bounds, Item, Scene, placed_box
 from isophote.shapes.mesh import Mesh
 from isophote.shapes.primitive.extent import box_around
 from isophote.shapes.primitive.primitive import Primitive
@@ -28,7 +29,7 @@ from isophote.shapes.primitive.primitive import Primitive
 if TYPE_CHECKING:
     from isophote.shapes.field.field import Field
 
-__all__ = ["camera_rows", "lower_scene"]
+__all__ = ["Parts", "camera_rows", "lights_of", "lower_scene", "parts_of", "tables_of"]
 
 
 _latest = Latest()
@@ -48,15 +49,16 @@ def lower_scene(
 
     Items are numbered as they stand in the scene; area lights go on from there, in their order among the lights. Tables
     of the scene lowered last are used again where only the camera or the size differ. What moves, stands as halfway
-    between the shutter's opening and closing. Endless fields reach as far as lower/fields.py says. Raises `SceneError` for a scene without items that can be drawn, or without a camera.
+    between the shutter's opening and closing. Endless fields reach as far as lower/fields.py says. Raises `SceneError`
+    for a scene without items that can be drawn, or without a camera.
     """
     scene = scene.still()
     camera = camera_rows(scene, size)
     way = accelerator, marched
     tables = _latest.find(scene, way)
     if tables is None:
-        parts = _parts_of(scene, marched)
-        tables = _tables(scene, parts, threads, accelerator)
+        parts = parts_of(scene, marched)
+        tables, _ = tables_of(scene, parts, threads, accelerator)
         _latest.keep(scene, way, tables, one_view=endless(parts.fields))
     return SCENE.pack(**tables, camera=camera)
 
@@ -68,7 +70,7 @@ def camera_rows(scene: Scene, size: tuple[int, int]) -> npt.NDArray[np.float32]:
     return np.stack(scene.camera.linear_map(size)).astype(np.float32)
 
 
-class _Parts(NamedTuple):
+class Parts(NamedTuple):
     """The items of a scene by kind, and the materials and lights among them so far."""
 
     meshes: list[Part]
@@ -78,21 +80,21 @@ class _Parts(NamedTuple):
     lights: LightTable
 
 
-def _tables(scene: Scene, parts: _Parts, threads: int | None, accelerator: str) -> dict[str, Packed]:
-    """All tables but the camera's."""
+def tables_of(
+    scene: Scene, parts: Parts, threads: int | None, accelerator: str, around: Sequence[Bounds] = ()
+) -> tuple[dict[str, Packed], float]:
+    """All tables of a still scene but the camera's, by the names of SCENE, and the radius of what is finite in it and
+    in the boxes `around`."""
     if not parts.meshes and not parts.fields and not parts.primitives:
         raise SceneError("the scene has nothing to draw: no items and no rectangle lights")
     labels = [(part.material, part.public, -1) for part in parts.fields]
     labels += [(part.material, part.public, part.light) for part in parts.primitives]
     geometry, surfaces, bounds = lower_geometry(parts.meshes, labels, threads, accelerator)
-    finite = _finite_bounds(scene, bounds, parts)
+    finite = _finite_bounds(scene, bounds, parts, around)
     fields = _fields(parts, finite, threads)
     reach = float(np.linalg.norm(finite[1] - finite[0])) / 2
-    for number, light in enumerate(scene.lights, start=len(scene.items)):
-        if not isinstance(light, RectLight):
-            parts.lights.add(light, reach, number)
     material_table, textures = parts.materials.build(lambda: own_spaces(scene.items, surfaces))
-    return {
+    tables = {
         "geometry": geometry,
         "surfaces": surfaces,
         "fields": fields,
@@ -100,11 +102,20 @@ def _tables(scene: Scene, parts: _Parts, threads: int | None, accelerator: str) 
         "materials": material_table,
         "media": lower_media(parts.materials.materials),
         "textures": textures,
-        "lights": parts.lights.build(reach),
+        "lights": lights_of(scene, parts, reach),
     }
+    return tables, reach
 
 
-def _fields(parts: _Parts, finite: npt.NDArray[np.float64], threads: int | None) -> Packed:
+def lights_of(scene: Scene, parts: Parts, reach: float) -> Packed:
+    """The table of all lights, those of a still scene added to those of its parts; `reach` is the scene's radius."""
+    for number, light in enumerate(scene.lights, start=len(scene.items)):
+        if not isinstance(light, RectLight):
+            parts.lights.add(light, reach, number)
+    return parts.lights.build(reach)
+
+
+def _fields(parts: Parts, finite: npt.NDArray[np.float64], threads: int | None) -> Packed:
     if not parts.fields:
         return no_fields()
     # Loaded where it is needed: pictures of meshes come sooner without.
@@ -113,7 +124,7 @@ def _fields(parts: _Parts, finite: npt.NDArray[np.float64], threads: int | None)
     return lower_fields(parts.fields, len(parts.meshes), finite, threads)
 
 
-def _primitives(parts: _Parts) -> Packed:
+def _primitives(parts: Parts) -> Packed:
     if not parts.primitives:
         return no_primitives()
     from isophote.lower.primitives import lower_primitives
@@ -121,28 +132,31 @@ def _primitives(parts: _Parts) -> Packed:
     return lower_primitives(parts.primitives, len(parts.meshes) + len(parts.fields))
 
 
-def _finite_bounds(scene: Scene, meshes: npt.NDArray[np.float32], parts: _Parts) -> npt.NDArray[np.float64]:
-    """(2, 3): a box around all that is finite: meshes, primitives, fields as far as they have bounds, and, where some
-    fields have none or nothing is finite, the camera and what it looks at."""
+def _finite_bounds(
+    scene: Scene, meshes: npt.NDArray[np.float32], parts: Parts, around: Sequence[Bounds]
+) -> npt.NDArray[np.float64]:
+    """(2, 3): a box around all that is finite: meshes, primitives, fields as far as they have bounds, the boxes
+    `around`, and, where some fields have no bounds or nothing is finite, the camera and what it looks at."""
     fields = parts.fields
     bounds = [np.asarray(part.field.bounds, np.float64) for part in fields]
     boxes = [placed_box(np.where(np.isfinite(b), b, 0.0), p.matrix) for b, p in zip(bounds, fields, strict=True)]
     finite = [meshes.astype(np.float64)] if np.isfinite(meshes).all() else []
-    finite += boxes
+    finite += [*boxes, *(box for box in around if np.isfinite(box).all())]
     finite += [box for part in parts.primitives if np.isfinite(box := box_around(part.primitive)).all()]
     if (endless(fields) or not finite) and scene.camera is not None:
         finite += [np.array([place, place]) for place in (scene.camera.eye, scene.camera.target)]
     return np.stack([np.min([box[0] for box in finite], axis=0), np.max([box[1] for box in finite], axis=0)])
 
 
-def _parts_of(scene: Scene, marched: bool) -> _Parts:
-    parts = _Parts([], [], [], MaterialTable(), LightTable())
+def parts_of(scene: Scene, marched: bool = False, moving: Set[int] = frozenset()) -> Parts:
+    """The items of a still scene; `moving` are the numbers of those that will be moved (lower/moments.py)."""
+    parts = Parts([], [], [], MaterialTable(), LightTable())
     for number, item in enumerate(scene.items):
         matrix, material = item.transform.matrix, parts.materials.number(item.material)
         if isinstance(item.shape, Mesh):
             radiance, two_sided = emission_of(item.material)
             own = parts.lights.add_mesh(item.shape, matrix, radiance, two_sided, number) if max(radiance) > 0 else None
-            parts.meshes.append(Part(item.shape, matrix, material, number, own))
+            parts.meshes.append(Part(item.shape, matrix, material, number, own, number in moving))
             continue
         primitive = None if marched and _is_field(item.shape) else primitive_of(item.shape)
         if primitive is None:
@@ -158,7 +172,7 @@ def _parts_of(scene: Scene, marched: bool) -> _Parts:
     return parts
 
 
-def _primitive_part(parts: _Parts, item: Item, placed: Primitive, material: int, number: int) -> PrimitivePart:
+def _primitive_part(parts: Parts, item: Item, placed: Primitive, material: int, number: int) -> PrimitivePart:
     """A primitive where it stands. Those that shine are aimed at where they are spheres or disks; others are met by
     chance."""
     radiance, two_sided = emission_of(item.material)

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 
 import attrs
 
-from isophote.kernels.base.table import Packed
 from isophote.kernels.trace.path import path_trace_tile
 from isophote.kernels.trace.tables import PLAN
 from isophote.kernels.trace.wave import new_wave
 from isophote.lower.field_table import scratch_words
 from isophote.lower.scene import lower_scene
-from isophote.rendering.camera_media import media_around, packed_media
+from isophote.rendering.exposure import Moment, expose, over_moments
 from isophote.rendering.film import Film
 from isophote.rendering.image import Image
 from isophote.rendering.method import Job, checked_accelerator, first_hit_channels
@@ -63,12 +63,12 @@ class PathTrace:
         warm_up(job.report, job.scene, "path")
         began = time.monotonic()
         job.report("building the tree", 0.0)
-        around = media_around(job.scene, job.threads)
-        scene = lower_scene(job.scene, job.size, job.threads, self.accelerator)
+        moments = expose(job, self.accelerator)
         job.report("building the tree", 1.0)
         pool = Pool(job.threads)
-        film = self._trace(scene, packed_media(scene, around), job, pool, began)
-        channels = first_hit_channels(scene, job.size, Pool(job.threads))
+        film = self._trace(moments, job, pool, began)
+        middle = lower_scene(job.scene, job.size, job.threads, self.accelerator)
+        channels = first_hit_channels(middle, job.size, Pool(job.threads))
         metadata = {
             "method": repr(self),
             "seed": str(job.seed),
@@ -79,27 +79,32 @@ class PathTrace:
             metadata["stopped"] = "interrupted before all samples were taken"
         return Image({**film.channels(), **channels}, metadata)
 
-    def _trace(self, scene: Packed, inside: int, job: Job, pool: Pool, began: float) -> Film:
+    def _trace(self, moments: Sequence[Moment], job: Job, pool: Pool, began: float) -> Film:
         table = filter_table(as_pixel_filter(self.filter))
         film = Film(job.size, table)
         width, height = job.size
-        plan = PLAN.pack(
-            width=width,
-            height=height,
-            samples=self.limits.planned,
-            seed=job.seed,
-            pattern=PATTERNS[self.pattern],
-            offsets=table.offsets,
-            crossings=table.crossings,
-            inside=inside,
-            max_depth=self.max_depth,
-            roulette_depth=_ROULETTE,
-        )
-        words = scratch_words(scene.arrays["fields"])
+        plans = [
+            PLAN.pack(
+                width=width,
+                height=height,
+                samples=self.limits.planned,
+                seed=job.seed,
+                pattern=PATTERNS[self.pattern],
+                offsets=table.offsets,
+                crossings=table.crossings,
+                inside=moment.inside,
+                max_depth=self.max_depth,
+                roulette_depth=_ROULETTE,
+            )
+            for moment in moments
+        ]
+        words = scratch_words(moments[0].scene.arrays["fields"])
         waves = [new_wave(_WAVE, words) for _ in range(pool.threads)]
 
-        def work(tile: Tile, thread: int) -> None:
-            path_trace_tile(scene.words, plan.words, film.words, waves[thread].words, *tile)
+        def work(tile: Tile, thread: int, moment: int) -> None:
+            path_trace_tile(moments[moment].scene.words, plans[moment].words, film.words, waves[thread].words, *tile)
 
-        trace_passes(work, film, self.limits, job, pool, "path tracing", began)
+        trace_passes(
+            over_moments(work, film, plans[0], len(moments)), film, self.limits, job, pool, "path tracing", began
+        )
         return film

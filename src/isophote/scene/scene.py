@@ -20,7 +20,7 @@ from isophote.scene.motion import Motion
 from isophote.scene.spot_light import SpotLight
 from isophote.scene.transform import Axis, Transform
 
-__all__ = ["Item", "Scene", "Shape", "is_shape", "placed_box"]
+__all__ = ["Bounds", "Item", "Scene", "Shape", "is_shape", "placed_box"]
 
 Bounds: TypeAlias = npt.NDArray[np.float64]
 

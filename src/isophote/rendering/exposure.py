@@ -1,0 +1,117 @@
+"""What a picture's samples see while the shutter is open: the scene at many moments, each standing still.
+
+All rays of a path run at one moment. A pixel's samples are spread over the moments by numbers of their own, drawn from
+the same pattern as all others; sorted by time, so that a pass can go through the moments one after another (see
+docs/design/motion.md):
+
+    exposure = expose(job, accelerator)
+    plans = [PLAN.pack(..., inside=moment.inside) for moment in exposure]
+    trace_passes(over_moments(work, film, plans[0], job.size), film, ...)      # work(tile, thread, moment's number)
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from isophote.kernels.base.table import Packed
+from isophote.kernels.trace.shutter import count_moments
+from isophote.lower.moments import lower_moments
+from isophote.lower.scene import lower_scene
+from isophote.rendering.camera_media import media_around, packed_media
+from isophote.rendering.film import Film
+from isophote.rendering.method import Job, Size
+from isophote.rendering.pool import Tile
+from isophote.scene.scene import Scene
+
+__all__ = ["Moment", "expose", "over_moments", "shutter_times"]
+
+Points: TypeAlias = npt.NDArray[np.float64]
+
+# As many moments as what moves farthest crosses pixels, so that its edges smear without steps, within these.
+_LEAST, _MOST = 16, 256
+# Moments at which ways over the film are measured.
+_PROBES = 17
+
+
+class Moment(NamedTuple):
+    """A lowered scene, and the list of media (kernels/light/medium.py) that its camera stands in."""
+
+    scene: Packed
+    inside: int
+
+
+def expose(job: Job, accelerator: str = "bvh") -> list[Moment]:
+    """The scene of a job at the moments of its shutter: at one where nothing moves."""
+    if not job.scene.moves:
+        still = job.scene.still()
+        around = media_around(still, job.threads)
+        tables = lower_scene(still, job.size, job.threads, accelerator)
+        return [Moment(tables, packed_media(tables, around))]
+    times = shutter_times(job.scene, _moments(job.scene, job.size), job.seed)
+    lowered = lower_moments(job.scene, job.size, times, job.threads, accelerator)
+    around_at = (media_around(job.scene.still(time), job.threads) for time in times)
+    return [Moment(tables, packed_media(tables, around)) for tables, around in zip(lowered, around_at, strict=True)]
+
+
+def shutter_times(scene: Scene, count: int, seed: int) -> list[float]:
+    """So many times, evenly spread over the time that the shutter is open, from a start by chance: each by itself falls
+    on any time as often as on any other."""
+    opened, closed = scene.shutter
+    start = float(np.random.default_rng(seed).random())
+    return [opened + (k + start) / count * (closed - opened) for k in range(count)]
+
+
+def _moments(scene: Scene, size: Size) -> int:
+    """How many moments a picture takes: a power of two."""
+    way = _longest_way(scene, size)
+    return 1 << math.ceil(math.log2(min(max(way, _LEAST), _MOST)))
+
+
+def _longest_way(scene: Scene, size: Size) -> float:
+    """The longest way over the film, in pixels, of corners of boxes around items; infinite where one cannot be told, as
+    from behind the camera."""
+    times = np.linspace(*scene.shutter, _PROBES).tolist()
+    stands = [scene.still(time) for time in times]
+    longest = 0.0
+    for number, item in enumerate(scene.items):
+        box = np.asarray(item.shape.bounds, np.float64)
+        if not np.isfinite(box).all():
+            continue
+        local = np.array([[box[i, 0], box[j, 1], box[k, 2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
+        ways = np.stack([_on_film(still, number, local, size) for still in stands])
+        lengths = np.linalg.norm(np.diff(ways, axis=0), axis=2).sum(axis=0)
+        longest = max(longest, float(np.where(np.isfinite(lengths), lengths, np.inf).max()))
+    return longest
+
+
+def _on_film(still: Scene, number: int, local: Points, size: Size) -> Points:
+    camera = still.camera
+    transform = still.items[number].still(0.0).transform
+    placed = local @ transform.matrix[:3, :3].T + transform.matrix[:3, 3]
+    return np.zeros((len(local), 2)) if camera is None else camera.project(placed, size)[0]
+
+
+def over_moments(
+    work: Callable[[Tile, int, int], None], film: Film, plan: Packed, moments: int
+) -> Callable[[Tile, int], None]:
+    """What traces a tile's samples at all moments, by `work(tile, thread, moment)`, which traces all that the tile's
+    pixels are short of; `plan` tells the pattern and the seed."""
+    if moments == 1:
+        return lambda tile, thread: work(tile, thread, 0)
+
+    def all_moments(tile: Tile, thread: int) -> None:
+        x0, x1, y0, y1 = tile
+        counts = np.zeros((moments, (x1 - x0) * (y1 - y0)), np.uint32)
+        count_moments(plan.words, film.words, x0, x1, y0, y1, counts)
+        target = film.target[y0:y1, x0:x1]
+        target[:] = film.count[y0:y1, x0:x1]
+        for moment in np.flatnonzero(counts.any(axis=1)).tolist():
+            target += counts[moment].reshape(target.shape)
+            work(tile, thread, moment)
+
+    return all_moments
