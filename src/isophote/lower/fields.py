@@ -148,7 +148,7 @@ def _packed(parts: Sequence[FieldPart], found: Sequence[_Lowered], surface: int,
         to_object=np.array([np.linalg.inv(part.matrix)[:3].reshape(-1) for part in parts]).reshape(-1, 12),
         to_world=np.array([part.matrix[:3].reshape(-1) for part in parts], np.float64).reshape(-1, 12),
         data=data,
-        **tree_over(boxes),
+        **_top(boxes),
         trace=entries[0],
         surface=entries[1],
         longest=longest,
@@ -157,6 +157,11 @@ def _packed(parts: Sequence[FieldPart], found: Sequence[_Lowered], surface: int,
     # The words of `data` point at tables that must live as long.
     held = {"tables": tuple(one.data for one in found), _CLIPS: [one.clip for one in found], _BOXES: boxes}
     return Packed(packed.words, packed.arrays | held)
+
+
+def _top(boxes: npt.NDArray[np.float32]) -> dict[str, npt.NDArray[np.generic]]:
+    """The tree over the boxes of several fields; a single one needs none."""
+    return tree_over(boxes if len(boxes) > 1 else boxes[:0])
 
 
 def _put(cube: npt.NDArray[np.float32], matrix: Matrix, box: Matrix) -> None:
@@ -176,7 +181,7 @@ def moved_fields(packed: Packed, matrices: Mapping[int, Matrix]) -> Packed:
         _put(cubes[k], matrix, box)
         to_object[k], to_world[k] = np.linalg.inv(matrix)[:3].reshape(-1), matrix[:3].reshape(-1)
         boxes[k] = box
-    return repacked(FIELDS, packed, cubes=cubes, to_object=to_object, to_world=to_world, **tree_over(boxes))
+    return repacked(FIELDS, packed, cubes=cubes, to_object=to_object, to_world=to_world, **_top(boxes))
 
 
 def _moved(nodes: Ints, node: int, tape: int) -> Ints:

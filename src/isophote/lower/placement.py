@@ -43,8 +43,8 @@ def repacked(table: Table, packed: Packed, **changes: Any) -> Packed:
 
 
 def tree_over(boxes: FloatArray) -> dict[str, npt.NDArray[Any]]:
-    """`top_nodes` and `top_items`: the tree over boxes (n, 2, 3); empty for a single one."""
-    if len(boxes) < 2:
+    """`top_nodes` and `top_items`: the tree over boxes (n, 2, 3); empty where there are none."""
+    if len(boxes) == 0:
         return {"top_nodes": np.zeros(0, np.float32), "top_items": np.zeros(0, np.int32)}
     top = build_boxes(boxes[:, 0], boxes[:, 1])
     return {"top_nodes": top.nodes, "top_items": top.blocks.astype(np.int32, copy=False)}
@@ -64,12 +64,13 @@ class _Arrays(NamedTuple):
         self.boxes[k], self.slack[k] = _placed_box(place.box, place.matrix, bool(self.identity[k]))
 
     def fields(self) -> dict[str, npt.NDArray[Any]]:
-        """What the geometry has of them."""
+        """What the geometry has of them; a single instance that stands where its object does needs no tree."""
+        alone = len(self.boxes) == 1 and self.identity[0] != 0
         return {
             "to_object": self.to_object,
             "to_world": self.to_world,
             "identity": self.identity,
-            **tree_over(self.boxes),
+            **tree_over(self.boxes[:0] if alone else self.boxes),
         }
 
 

@@ -26,6 +26,7 @@ from isophote.rendering.camera_media import media_around, packed_media
 from isophote.rendering.film import Film
 from isophote.rendering.method import Job, Size
 from isophote.rendering.pool import Tile
+from isophote.scene.material import Glass
 from isophote.scene.scene import Scene
 
 __all__ = ["Moment", "expose", "over_moments", "shutter_times"]
@@ -54,6 +55,8 @@ def expose(job: Job, accelerator: str = "bvh") -> list[Moment]:
         return [Moment(tables, packed_media(tables, around))]
     times = shutter_times(job.scene, _moments(job.scene, job.size), job.seed)
     lowered = lower_moments(job.scene, job.size, times, job.threads, accelerator)
+    if not any(isinstance(item.material, Glass) for item in job.scene.items):
+        return [Moment(tables, 0) for tables in lowered]
     around_at = (media_around(job.scene.still(time), job.threads) for time in times)
     return [Moment(tables, packed_media(tables, around)) for tables, around in zip(lowered, around_at, strict=True)]
 

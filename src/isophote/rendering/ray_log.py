@@ -12,15 +12,13 @@ import numpy.typing as npt
 from isophote.errors import RenderError
 from isophote.kernels.base.table import Packed
 from isophote.kernels.trace import ray_log as columns
-from isophote.lower.scene import lower_scene
-from isophote.rendering.camera_media import media_around
+from isophote.rendering.exposure import Moment, expose
 from isophote.rendering.method import Job
 from isophote.rendering.pixel_filter import as_pixel_filter, filter_table
 from isophote.rendering.pool import Tile
 from isophote.rendering.ray_tiles import RayTiles, new_log
 from isophote.rendering.ray_trace import RayTrace
 from isophote.scene.light import RectLight
-from isophote.scene.material import Glass
 from isophote.scene.scene import Scene
 from isophote.shapes.mesh import Mesh
 
@@ -127,12 +125,11 @@ def log_pixel(job: Job, method: RayTrace, pixel: tuple[int, int]) -> PixelLog:
     if not (0 <= x < width and 0 <= y < height):
         raise RenderError(f"pixel must be (column, row) within {width} × {height}, not {pixel!r}")
     method = attrs.evolve(method, seconds=None, noise=None)
-    around = media_around(job.scene, job.threads)
-    scene = lower_scene(job.scene, job.size, job.threads, method.accelerator)
-    log, tiles = _traced(scene, job, method, around, (x, y), _FIRST_RAYS, _FIRST_LIGHTS)
+    moments = expose(job, method.accelerator)
+    log, tiles = _traced(moments, job, method, (x, y), _FIRST_RAYS, _FIRST_LIGHTS)
     rays, lights = (int(count) for count in log.arrays["counts"])
     if rays > _FIRST_RAYS or lights > _FIRST_LIGHTS:
-        log, tiles = _traced(scene, job, method, around, (x, y), rays, lights)
+        log, tiles = _traced(moments, job, method, (x, y), rays, lights)
     r, g, b = tiles.film.mean()[y, x].tolist()
     shares = _shares(log, rays, method, width * height)
     return PixelLog((x, y), (r, g, b), _records(log, rays, lights, shares, _in_triangles(job.scene)))
@@ -145,10 +142,9 @@ def _in_triangles(scene: Scene) -> frozenset[int]:
 
 
 def _traced(
-    scene: Packed,
+    moments: Sequence[Moment],
     job: Job,
     method: RayTrace,
-    around: Sequence[Glass],
     pixel: tuple[int, int],
     rays: int,
     lights: int,
@@ -156,7 +152,7 @@ def _traced(
     """A log with so many rows, and the film of the pixel alone."""
     x, y = pixel
     log = new_log(rays, lights)
-    tiles = RayTiles(method, scene, job, 1, around, log)
+    tiles = RayTiles(method, moments, job, 1, log)
     tiles.film.target[y, x] = method.limits.planned
     tiles.trace(Tile(x, x + 1, y, y + 1), 0)
     return log, tiles

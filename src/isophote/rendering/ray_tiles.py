@@ -17,13 +17,12 @@ from isophote.kernels.trace.shadow_tint import shadow_tint
 from isophote.kernels.trace.tables import PLAN
 from isophote.kernels.trace.wave import new_wave
 from isophote.lower.field_table import scratch_words
-from isophote.rendering.camera_media import packed_media
+from isophote.rendering.exposure import Moment, over_moments
 from isophote.rendering.film import Film
 from isophote.rendering.method import Job
 from isophote.rendering.passes import PATTERNS, Limits
 from isophote.rendering.pixel_filter import PixelFilter, as_pixel_filter, filter_table
 from isophote.rendering.pool import Tile
-from isophote.scene.material import Glass
 
 __all__ = ["RaySettings", "RayTiles", "new_log"]
 
@@ -55,46 +54,51 @@ class RaySettings(Protocol):
 
 
 class RayTiles:
-    """The film of a lowered scene's picture, `rays` (h, w), the number of rays of each pixel, and what fills them; the
-    camera stands in the glass `around`."""
+    """The film of a picture of a scene at the moments of its shutter, `rays` (h, w), the number of rays of each pixel,
+    and what fills them."""
 
     def __init__(
         self,
         settings: RaySettings,
-        scene: Packed,
+        moments: Sequence[Moment],
         job: Job,
         threads: int,
-        around: Sequence[Glass] = (),
         log: Packed | None = None,
     ) -> None:
         table = filter_table(as_pixel_filter(settings.filter))
         width, height = job.size
         self.film = Film(job.size, table)
         self.rays: Counts = np.zeros((height, width), np.int64)
-        self._scene = scene
-        self._plan = PLAN.pack(
-            width=width,
-            height=height,
-            samples=settings.limits.planned,
-            seed=job.seed,
-            pattern=PATTERNS[settings.pattern],
-            offsets=table.offsets,
-            crossings=table.crossings,
-            inside=packed_media(scene, around),
-            max_depth=settings.depth,
-            roulette_depth=settings.depth,
-        )
+        self._moments = moments
+        self._plans = [
+            PLAN.pack(
+                width=width,
+                height=height,
+                samples=settings.limits.planned,
+                seed=job.seed,
+                pattern=PATTERNS[settings.pattern],
+                offsets=table.offsets,
+                crossings=table.crossings,
+                inside=moment.inside,
+                max_depth=settings.depth,
+                roulette_depth=settings.depth,
+            )
+            for moment in moments
+        ]
         self._log = new_log(0, 0) if log is None else log
-        words = scratch_words(scene.arrays["fields"])
-        jobs, flat = _light_jobs(scene, settings.light_samples), self.rays.reshape(-1)
+        words = scratch_words(moments[0].scene.arrays["fields"])
+        jobs, flat = _light_jobs(moments[0].scene, settings.light_samples), self.rays.reshape(-1)
         self._waves = [new_wave(_WAVE, words) for _ in range(threads)]
         tint = shadow_tint.address if settings.shadows == "tinted" else 0
         self._trees = [new_tree(_WAVE, settings.depth, jobs, settings.min_weight, tint, flat) for _ in range(threads)]
 
-    def trace(self, tile: Tile, thread: int) -> None:
-        """Trace the samples that a tile's pixels are short of."""
+        #: Traces the samples that a tile's pixels are short of: `trace(tile, thread)`.
+        self.trace = over_moments(self._trace, self.film, self._plans[0], len(moments))
+
+    def _trace(self, tile: Tile, thread: int, moment: int) -> None:
         own = self._waves[thread].words, self._trees[thread].words
-        ray_trace_tile(self._scene.words, self._plan.words, self.film.words, *own, self._log.words, *tile)
+        scene, plan = self._moments[moment].scene, self._plans[moment]
+        ray_trace_tile(scene.words, plan.words, self.film.words, *own, self._log.words, *tile)
 
 
 def _light_jobs(scene: Packed, light_samples: int) -> npt.NDArray[np.int32]:

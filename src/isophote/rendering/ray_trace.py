@@ -10,7 +10,7 @@ import numpy as np
 
 from isophote.errors import RenderError
 from isophote.lower.scene import lower_scene
-from isophote.rendering.camera_media import media_around
+from isophote.rendering.exposure import expose
 from isophote.rendering.image import Image
 from isophote.rendering.method import Job, checked_accelerator, first_hit_channels
 from isophote.rendering.passes import MOST_SAMPLES, PATTERNS, Limits, trace_passes
@@ -78,14 +78,14 @@ class RayTrace:
         warm_up(job.report, job.scene, "ray")
         began = time.monotonic()
         job.report("building the tree", 0.0)
-        around = media_around(job.scene, job.threads)
-        scene = lower_scene(job.scene, job.size, job.threads, self.accelerator)
+        moments = expose(job, self.accelerator)
         job.report("building the tree", 1.0)
         pool = Pool(job.threads)
-        tiles = RayTiles(self, scene, job, pool.threads, around)
+        tiles = RayTiles(self, moments, job, pool.threads)
         film, rays = tiles.film, tiles.rays
         trace_passes(tiles.trace, film, self.limits, job, pool, "ray tracing", began)
-        channels = first_hit_channels(scene, job.size, Pool(job.threads))
+        middle = lower_scene(job.scene, job.size, job.threads, self.accelerator)
+        channels = first_hit_channels(middle, job.size, Pool(job.threads))
         metadata = {
             "method": repr(self),
             "seed": str(job.seed),

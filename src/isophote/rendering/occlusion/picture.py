@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from typing import Any
 
 import attrs
 import numpy as np
 
 from isophote.errors import RenderError
-from isophote.kernels.base.table import Packed
 from isophote.kernels.trace.occlusion_picture import SKY, occlusion_tile
 from isophote.kernels.trace.tables import PLAN
 from isophote.kernels.trace.wave import new_wave
 from isophote.lower.field_table import scratch_words
 from isophote.lower.scene import lower_scene
+from isophote.rendering.exposure import Moment, expose, over_moments
 from isophote.rendering.film import Film
 from isophote.rendering.image import Image
 from isophote.rendering.method import Array, Job, extent_of, first_hit_channels
@@ -72,18 +73,20 @@ class AmbientOcclusion:
         warm_up(job.report, job.scene, "occlusion")
         began = time.monotonic()
         job.report("building the tree", 0.0)
-        scene = lower_scene(job.scene.with_(lights=()), job.size, job.threads)
+        unlit = attrs.evolve(job, scene=job.scene.with_(lights=()))
+        moments = expose(unlit) if self.by == "rays" else []
+        scene = lower_scene(unlit.scene, job.size, job.threads)
         job.report("building the tree", 1.0)
         pool = Pool(job.threads)
         channels = dict(first_hit_channels(scene, job.size, Pool(job.threads)))
-        traced = self._traced(scene, job, pool) if self.by == "rays" else self._from_depth(job, channels)
+        traced = self._traced(moments, job, pool) if self.by == "rays" else self._from_depth(job, channels)
         metadata = {"method": repr(self), "seed": str(job.seed), "seconds": f"{time.monotonic() - began:.3f}"}
         if pool.interrupted:
             metadata["stopped"] = "interrupted before all samples were taken"
         grey = traced["visibility"]
         return Image({"colour": np.repeat(grey[..., None], 3, axis=2), **channels, **traced}, metadata)
 
-    def _traced(self, scene: Packed, job: Job, pool: Pool) -> dict[str, Array]:
+    def _traced(self, moments: Sequence[Moment], job: Job, pool: Pool) -> dict[str, Array]:
         width, height = job.size
         table = filter_table(as_pixel_filter("box"))
         film = Film(job.size, table)
@@ -101,17 +104,18 @@ class AmbientOcclusion:
         )
         bent = np.zeros((height * width, 3))
         sky = SKY.pack(reach=checked_reach(self.max_distance), bent=bent)
-        waves = [new_wave(_WAVE, scratch_words(scene.arrays["fields"])) for _ in range(pool.threads)]
+        waves = [new_wave(_WAVE, scratch_words(moments[0].scene.arrays["fields"])) for _ in range(pool.threads)]
 
-        def work(tile: Tile, thread: int) -> None:
-            occlusion_tile(scene.words, plan.words, sky.words, film.words, waves[thread].words, *tile)
+        def work(tile: Tile, thread: int, moment: int) -> None:
+            occlusion_tile(moments[moment].scene.words, plan.words, sky.words, film.words, waves[thread].words, *tile)
 
-        trace_passes(work, film, Limits(self.samples), job, pool, "ambient occlusion", time.monotonic())
+        over_all = over_moments(work, film, plan, len(moments))
+        trace_passes(over_all, film, Limits(self.samples), job, pool, "ambient occlusion", time.monotonic())
         visibility = film.mean()[..., 0].astype(np.float32)
         return {"visibility": visibility, "bent_normal": _normalised(bent.reshape(height, width, 3))}
 
     def _from_depth(self, job: Job, channels: dict[str, Array]) -> dict[str, Array]:
-        camera = job.scene.camera
+        camera = job.scene.still().camera
         if camera is None:
             raise RenderError("AmbientOcclusion: the scene has no camera")
         grey = np.ones((*job.size[::-1], 3), np.float32)
