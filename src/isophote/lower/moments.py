@@ -14,9 +14,11 @@ import numpy as np
 import numpy.typing as npt
 
 from isophote.kernels.base.table import Packed
+from isophote.kernels.texture.contract import TEXTURES
 from isophote.kernels.trace.tables import SCENE
 from isophote.lower.materials import emission_of
-from isophote.lower.placement import moved_instances
+from isophote.lower.own_space import own_spaces
+from isophote.lower.placement import moved_instances, repacked
 from isophote.lower.primitive_table import PrimitivePart, primitive_of
 from isophote.lower.scene import Parts, camera_rows, lights_of, lower_scene, parts_of, tables_of
 from isophote.scene.motion import Motion
@@ -88,6 +90,9 @@ class _First(NamedTuple):
         matrices = {number: still.items[number].transform.matrix for number in self.moving}
         geometry, surfaces = moved_instances(self.tables["geometry"], self.tables["surfaces"], matrices)
         tables = self.tables | {"geometry": geometry, "surfaces": surfaces}
+        textures = self.tables["textures"]
+        if len(textures.arrays["to_own"]):
+            tables["textures"] = repacked(TEXTURES, textures, to_own=own_spaces(still.items, surfaces))
         if self.fields:
             # Loaded where it is needed, as in lower/scene.py.
             from isophote.lower.fields import moved_fields
