@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TypeAlias
 
 import numpy as np
@@ -11,7 +11,7 @@ import numpy.typing as npt
 from isophote.errors import SceneError
 from isophote.kernels.base.table import Packed
 from isophote.kernels.texture import contract
-from isophote.kernels.texture.contract import DATA, LOOK_UP, NODE_WORDS, PICTURE, TEXTURES
+from isophote.kernels.texture.contract import CHILD_A, DATA, LOOK_UP, NODE_WORDS, PICTURE, TEXTURES
 from isophote.scene.colour import srgb_to_linear
 from isophote.scene.image_texture import ImageTexture
 from isophote.scene.texture import Texture
@@ -24,6 +24,8 @@ Texels: TypeAlias = npt.NDArray[np.generic]
 _WRAP = {"repeat": contract.REPEAT, "clamp": contract.CLAMP, "mirror": contract.MIRROR}
 _FILTER = {"bilinear": contract.BILINEAR, "nearest": contract.NEAREST}
 _PLAIN, _FLOATS = 1, 2
+# So many entries may call each other on the way to a colour.
+_DEEPEST = 100
 
 
 class TextureTable:
@@ -32,6 +34,9 @@ class TextureTable:
     def __init__(self) -> None:
         self._numbers: dict[Texture, int] = {}
         self._nodes: list[list[int]] = []
+        self._data: list[float] = []
+        self._tables: list[Packed] = []
+        self._depth = 0
         self._codes: list[list[int]] = []
         self._bytes: list[Texels] = [np.zeros((0, 4), np.uint8)]
         self._floats: list[Texels] = [np.zeros((0, 4), np.float32)]
@@ -48,11 +53,28 @@ class TextureTable:
             from isophote.kernels.texture.image import image
 
             return self._node(image.address, self._picture(texture))
-        raise SceneError(f"a {type(texture).__name__} cannot be drawn")
+        return self._formula(texture)
 
-    def _node(self, address: int, picture: int = 0, data: int = 0) -> int:
+    def _formula(self, texture: Texture) -> int:
+        # As in _add.
+        from isophote.lower.procedural import node_of
+
+        if self._depth >= _DEEPEST:
+            raise SceneError(f"a texture is made of others more than {_DEEPEST} deep")
+        self._depth += 1
+        found = node_of(texture)
+        children = [self.number(child) for child in found.children]
+        self._depth -= 1
+        own = 0 if found.table is None else found.table.words.ctypes.data
+        self._tables += () if found.table is None else (found.table,)
+        first = len(self._data)
+        self._data += found.data
+        return self._node(found.entry.address, own, first, children)
+
+    def _node(self, address: int, picture: int = 0, data: int = 0, children: Sequence[int] = ()) -> int:
         node = [0] * NODE_WORDS
         node[LOOK_UP], node[PICTURE], node[DATA] = address, picture, data
+        node[CHILD_A : CHILD_A + len(children)] = children
         self._nodes.append(node)
         return len(self._nodes) - 1
 
@@ -71,16 +93,18 @@ class TextureTable:
     def build(self, to_own: Callable[[], Floats] | None = None) -> Packed:
         """The table of all textures that were numbered; `to_own` gives its field where there are textures."""
         steps = np.arange(256) / 255
-        return TEXTURES.pack(
+        packed = TEXTURES.pack(
             nodes=np.array(self._nodes, np.int64).reshape(-1, NODE_WORDS),
             codes=np.array(self._codes, np.int64).reshape(-1, 6),
             bytes=np.ascontiguousarray(np.concatenate(self._bytes)),
             floats=np.ascontiguousarray(np.concatenate(self._floats), np.float32),
             decode=np.stack([srgb_to_linear(steps), steps]).astype(np.float32),
-            data=np.zeros(0, np.float32),
+            data=np.array(self._data, np.float32),
             to_own=to_own() if to_own is not None and self._nodes else np.zeros((0, 12), np.float32),
             colour=self._colour_entry(),
         )
+        # Nodes hold the addresses of these.
+        return packed._replace(arrays=packed.arrays | {"tables": tuple(self._tables)})
 
     def _colour_entry(self) -> int:
         if not self._nodes:
