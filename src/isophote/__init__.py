@@ -21,6 +21,7 @@ _HOME = {
     "Camera": "scene.camera",
     "Checker": "scene.patterns",
     "Coated": "scene.compound",
+    "Cutout": "scene.cutout",
     "Disk": "shapes.primitive.disk",
     "DiskLight": "scene.light",
     "Emitter": "scene.material",

@@ -11,14 +11,15 @@ import numpy.typing as npt
 from isophote.kernels.base.table import Packed
 from isophote.kernels.light import bsdf
 from isophote.kernels.light.bsdf import MATERIALS
-from isophote.lower.node import Node, no_nodes
+from isophote.lower.node import Cut, Node, Slot, no_nodes
 from isophote.lower.textures import TextureTable
+from isophote.scene.cutout import ALPHA, Cutout, alpha_channel
 from isophote.scene.material import Emitter, Glass, Matte, Mirror, Principled
 from isophote.scene.material_base import ColourParameter, Material
 from isophote.scene.nearest import nearest_principled
 from isophote.scene.texture import Texture
 
-__all__ = ["MaterialTable", "emission_of", "is_linked"]
+__all__ = ["MaterialTable", "aimed_emission_of", "emission_of", "is_linked"]
 
 Floats: TypeAlias = npt.NDArray[np.float32]
 
@@ -27,7 +28,7 @@ _BLACK = (0.0, 0.0, 0.0)
 
 class _Row(NamedTuple):
     """One material: kind, colour, texture, emitted radiance, index of refraction, whether both sides emit, the number
-    of single directions that light is sent to, and the node of a kind that is called by address."""
+    of single directions that light is sent to, the node of a kind that is called by address, and how it is cut out."""
 
     kind: int
     colour: tuple[float, float, float] = _BLACK
@@ -37,10 +38,13 @@ class _Row(NamedTuple):
     two_sided: bool = False
     branches: int = 0
     node: Node | None = None
+    cut: Cut | None = None
 
 
 def _row(material: Material) -> _Row:
     """The row of a material. Of those compiled into the tiles there are few; all others are called by address."""
+    if isinstance(material, Cutout):
+        return _row(material.material)._replace(cut=_cut(material))
     if isinstance(material, Emitter):
         body = _Row(bsdf.BLACK) if material.body is None else _row(material.body)
         return body._replace(emission=material.radiance, two_sided=material.two_sided)
@@ -57,6 +61,8 @@ def _linked(material: Material) -> _Row:
     # Loaded where there is such a material: others are drawn sooner without.
     from isophote.lower.lobes import node_of
 
+    if isinstance(material, Cutout):
+        return _linked(material.material)._replace(cut=_cut(material))
     node, shown = node_of(material), nearest_principled(material)
     return _Row(
         bsdf.LINKED,
@@ -66,7 +72,22 @@ def _linked(material: Material) -> _Row:
         two_sided=isinstance(material, Principled) and material.two_sided,
         branches=node.branches,
         node=node,
+        cut=_cut_of_principled(material) if isinstance(material, Principled) else None,
     )
+
+
+def _cut(cutout: Cutout) -> Cut:
+    alpha, cutoff = cutout.alpha, cutout.cutoff if cutout.mode == "mask" else -1.0
+    if isinstance(alpha, Texture):
+        return Cut(Slot((1.0, 1.0, 1.0), alpha, alpha_channel(alpha)), cutoff)
+    return Cut(Slot.of(alpha), cutoff)
+
+
+def _cut_of_principled(material: Principled) -> Cut | None:
+    if material.alpha_mode == "opaque":
+        return None
+    cutoff = material.alpha_cutoff if material.alpha_mode == "mask" else -1.0
+    return Cut(Slot((material.opacity,) * 3, material.colour_texture, ALPHA), cutoff)
 
 
 def _shown(kind: int, colour: ColourParameter) -> _Row:
@@ -77,6 +98,13 @@ def emission_of(material: Material) -> tuple[tuple[float, float, float], bool]:
     """(radiance that a material emits, whether on both sides)."""
     row = _row(material)
     return row.emission, row.two_sided
+
+
+def aimed_emission_of(material: Material) -> tuple[tuple[float, float, float], bool]:
+    """What `emission_of` says of surfaces that are aimed at as lights; none of cut-outs, which are met by chance: who
+    aims does not know of holes."""
+    row = _row(material)
+    return (row.emission, row.two_sided) if row.cut is None else (_BLACK, False)
 
 
 def is_linked(material: Material) -> bool:
@@ -117,14 +145,14 @@ class MaterialTable:
             values=np.array(values, np.float32).reshape(-1, 8),
             scatters=np.array(scatters, np.int32),
             branches=np.array([row.branches for row in rows], np.int32),
-            **self._nodes([row.node for row in rows]),
+            **self._nodes([row.node for row in rows], [row.cut for row in rows]),
         )
         return materials, self._textures.build(to_own)
 
-    def _nodes(self, roots: Sequence[Node | None]) -> dict[str, Any]:
-        if not any(roots):
+    def _nodes(self, roots: Sequence[Node | None], cuts: Sequence[Cut | None]) -> dict[str, Any]:
+        if not any(roots) and not any(cuts):
             return no_nodes(len(roots))
         # As in _linked.
         from isophote.lower.node_table import NodeTable
 
-        return NodeTable(self._textures.number).add_all(roots)
+        return NodeTable(self._textures.number).add_all(roots, cuts)

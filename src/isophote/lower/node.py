@@ -14,7 +14,7 @@ from isophote.scene.texture import Texture
 if TYPE_CHECKING:
     from isophote.kernels.base.entry import Entry
 
-__all__ = ["SPAN", "Node", "Slot", "no_nodes"]
+__all__ = ["SPAN", "Cut", "Node", "Slot", "no_nodes"]
 
 Floats: TypeAlias = npt.NDArray[np.float32]
 
@@ -58,8 +58,21 @@ class Node:
     through: bool = False
 
 
+@attrs.frozen
+class Cut:
+    """How opaque a surface is, and from which opacity on it is there, all of it, or −1 where light is shared."""
+
+    opacity: Slot
+    cutoff: float = -1.0
+
+    @property
+    def slots(self) -> tuple[Slot, Slot]:
+        """As kernels/trace/hole_rays.py has them."""
+        return self.opacity, Slot.of(self.cutoff)
+
+
 def no_nodes(materials: int) -> dict[str, Any]:
-    """Fields of the table of so many materials that are all compiled into the tiles."""
+    """Fields of the table of so many materials that are all compiled into the tiles, and whole."""
     return {
         "prepare": 0,
         "spans": np.zeros((materials, SPAN), np.int32),
@@ -67,4 +80,8 @@ def no_nodes(materials: int) -> dict[str, Any]:
         "slot_values": np.zeros((0, 3), np.float32),
         "slot_codes": np.zeros((0, 2), np.int32),
         "data": np.zeros(0, np.float32),
+        "cuts": np.full(materials, -1, np.int32),
+        "opacity": 0,
+        "pass_holes": 0,
+        "shade_holes": 0,
     }

@@ -10,8 +10,7 @@ import numpy.typing as npt
 
 from isophote.errors import SceneError
 from isophote.kernels.brdf.contract import MOST_SLOTS, NODE_WORDS
-from isophote.kernels.trace.prepare import prepare
-from isophote.lower.node import SPAN, Node, Slot
+from isophote.lower.node import SPAN, Cut, Node, Slot
 from isophote.scene.texture import Texture
 
 __all__ = ["NodeTable"]
@@ -30,18 +29,27 @@ class NodeTable:
         self._places: dict[int, int] = {}
         self._size = 0
 
-    def add_all(self, roots: Sequence[Node | None]) -> dict[str, Any]:
-        """Fields of the table, for materials in their order; None where one is compiled into the tiles."""
+    def add_all(self, roots: Sequence[Node | None], cuts: Sequence[Cut | None]) -> dict[str, Any]:
+        """Fields of the table, for materials in their order; None where one is compiled into the tiles, and where one
+        is whole."""
         spans = [(0,) * SPAN if root is None else self._material(root) for root in roots]
+        opacities = [-1 if cut is None else self._add_slots(cut.slots) for cut in cuts]
         codes = [(-1 if s.texture is None else self._texture(s.texture), s.channel) for s in self._slots]
         return {
-            "prepare": prepare.address,
+            "prepare": _prepare() if any(roots) else 0,
             "spans": np.array(spans, np.int32).reshape(-1, SPAN),
             "nodes": np.array(self._nodes, np.int64).reshape(-1, NODE_WORDS),
             "slot_values": np.array([s.value for s in self._slots], np.float32).reshape(-1, 3),
             "slot_codes": np.array(codes, np.int32).reshape(-1, 2),
             "data": np.concatenate(self._data),
+            "cuts": np.array(opacities, np.int32),
+            **_hole_entries(any(cuts)),
         }
+
+    def _add_slots(self, slots: Sequence[Slot]) -> int:
+        """Number of the first."""
+        self._slots += slots
+        return len(self._slots) - len(slots)
 
     def _material(self, root: Node) -> tuple[int, ...]:
         first = len(self._slots)
@@ -69,3 +77,19 @@ class NodeTable:
             self._data.append(data)
             self._size += len(data)
         return self._places[id(data)]
+
+
+def _prepare() -> int:
+    # Loaded where there is something to prepare.
+    from isophote.kernels.trace.prepare import prepare
+
+    return prepare.address
+
+
+def _hole_entries(wanted: bool) -> dict[str, int]:
+    if not wanted:
+        return {"opacity": 0, "pass_holes": 0, "shade_holes": 0}
+    # As in _prepare.
+    from isophote.kernels.trace.hole_rays import opacity_at, pass_holes, shade_holes
+
+    return {"opacity": opacity_at.address, "pass_holes": pass_holes.address, "shade_holes": shade_holes.address}

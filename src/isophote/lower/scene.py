@@ -15,7 +15,7 @@ from isophote.lower.field_table import FieldPart, endless, no_fields
 from isophote.lower.geometry import Part, lower_geometry
 from isophote.lower.latest import Latest
 from isophote.lower.lights import LightTable, rectangle_mesh
-from isophote.lower.materials import MaterialTable, emission_of
+from isophote.lower.materials import MaterialTable, aimed_emission_of
 from isophote.lower.media import lower_media
 from isophote.lower.own_space import own_spaces
 from isophote.lower.primitive_table import PrimitivePart, no_primitives, primitive_of
@@ -154,7 +154,7 @@ def parts_of(scene: Scene, marched: bool = False, moving: Set[int] = frozenset()
     for number, item in enumerate(scene.items):
         matrix, material = item.transform.matrix, parts.materials.number(item.material)
         if isinstance(item.shape, Mesh):
-            radiance, two_sided = emission_of(item.material)
+            radiance, two_sided = aimed_emission_of(item.material)
             own = parts.lights.add_mesh(item.shape, matrix, radiance, two_sided, number) if max(radiance) > 0 else None
             parts.meshes.append(Part(item.shape, matrix, material, number, own, number in moving))
             continue
@@ -175,7 +175,7 @@ def parts_of(scene: Scene, marched: bool = False, moving: Set[int] = frozenset()
 def _primitive_part(parts: Parts, item: Item, placed: Primitive, material: int, number: int) -> PrimitivePart:
     """A primitive where it stands. Those that shine are aimed at where they are spheres or disks; others are met by
     chance."""
-    radiance, two_sided = emission_of(item.material)
+    radiance, two_sided = aimed_emission_of(item.material)
     light = parts.lights.add_primitive(placed, radiance, two_sided, number) if max(radiance) > 0 else -1
     return PrimitivePart(placed, material, number, light)
 

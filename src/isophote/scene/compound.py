@@ -8,6 +8,7 @@ import attrs
 
 from isophote.errors import SceneError
 from isophote.scene.colour import Colour
+from isophote.scene.cutout import Cutout
 from isophote.scene.fields import as_number
 from isophote.scene.material import Emitter, Principled
 from isophote.scene.material_base import (
@@ -31,6 +32,8 @@ def _part(instance: Any, attribute: attrs.Attribute[Any], value: Any) -> None:
     kind = type(instance).__name__
     if not isinstance(value, Material):
         raise SceneError(f"{kind}: {attribute.name} must be a material, but is {value!r}")
+    if isinstance(value, Cutout):
+        raise SceneError(f"{kind}: {attribute.name} has holes; write Cutout({kind}(...), alpha) instead")
     if isinstance(value, Emitter) or (isinstance(value, Principled) and max(value.emission) > 0):
         raise SceneError(f"{kind}: {attribute.name} shines; write Emitter(radiance, body={kind}(...)) instead")
 

@@ -8,6 +8,7 @@ import attrs
 
 from isophote.scene.colour import WHITE, Colour
 from isophote.scene.compound import Coated, Mix, Plastic
+from isophote.scene.cutout import Cutout
 from isophote.scene.gloss import AshikhminShirley, Blinn, Phong, Ward
 from isophote.scene.material import Emitter, Glass, Mirror, Principled
 from isophote.scene.material_base import ColourParameter, Material, NumberParameter
@@ -28,6 +29,8 @@ def nearest_principled(material: Material) -> Principled:
         black = Principled(0.0, roughness=1.0)
         body = black if material.body is None else nearest_principled(material.body)
         return attrs.evolve(body, emission=material.radiance, two_sided=material.two_sided)
+    if isinstance(material, Cutout):
+        return _cut(material)
     if isinstance(material, Coated):
         return attrs.evolve(nearest_principled(material.base), roughness=_number(material.roughness))
     if isinstance(material, Mix):
@@ -39,6 +42,17 @@ def nearest_principled(material: Material) -> Principled:
     if isinstance(colour, Texture):
         return Principled(1.0, metallic, rough, colour_texture=colour, two_sided=True)
     return Principled(colour, metallic, rough, two_sided=True)
+
+
+def _cut(cutout: Cutout) -> Principled:
+    """The material with as much opacity as a number says, or the texture of its colour, where that is the one."""
+    whole = nearest_principled(cutout.material)
+    if isinstance(cutout.alpha, Texture):
+        opacity = 1.0
+        mode = cutout.mode if cutout.alpha == whole.colour_texture else "opaque"
+    else:
+        opacity, mode = cutout.alpha, cutout.mode
+    return attrs.evolve(whole, opacity=opacity, alpha_mode=mode, alpha_cutoff=cutout.cutoff)
 
 
 def _colour(material: Material) -> ColourParameter:

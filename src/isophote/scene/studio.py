@@ -10,9 +10,11 @@ import numpy.typing as npt
 
 from isophote.errors import SceneError
 from isophote.scene.camera import Camera
+from isophote.scene.cutout import Cutout
 from isophote.scene.fields import VectorLike
 from isophote.scene.light import Light, RectLight, Sky
 from isophote.scene.material import Emitter, Matte
+from isophote.scene.material_base import Material
 from isophote.scene.scene import Item, Scene, Shape, is_shape
 from isophote.scene.transform import unit_vector
 from isophote.shapes.mesh import Mesh
@@ -99,7 +101,7 @@ def _finite_bounds(scene: Scene) -> npt.NDArray[np.float64]:
 
 
 def _has_light(scene: Scene) -> bool:
-    return bool(scene.lights) or any(isinstance(item.material, Emitter) for item in scene.items)
+    return bool(scene.lights) or any(_shines(item.material) for item in scene.items)
 
 
 def _as_items(subject: object) -> tuple[Item, ...]:
@@ -129,3 +131,7 @@ def _ground(bounds: npt.NDArray[np.float64]) -> Item:
         (x + reach, y, z - reach),
     ]
     return Item(Mesh(corners, [(0, 1, 2, 3)]), _GROUND, name="ground")
+
+
+def _shines(material: Material) -> bool:
+    return isinstance(material.material if isinstance(material, Cutout) else material, Emitter)

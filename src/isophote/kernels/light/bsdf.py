@@ -43,6 +43,9 @@ _ZERO, _HALF, _ONE = np.float32(0), np.float32(0.5), np.float32(1)
 # by, or 0 where none is; `nodes` (m, 8) as in brdf/contract.py; `slot_values` (k, 3) and `slot_codes` (k, 2): a
 # parameter's value and the texture that multiplies it, or −1, with the channel that counts, or −1 for all three;
 # `data`: numbers of whatever kind, such as tables of measured reflectance.
+#
+# `cuts` (n,): the slot of a surface's opacity, which its cut-off follows, or −1 where it is whole; `opacity`,
+# `pass_holes` and `shade_holes`: the entries of trace/hole_rays.py, or 0 where no material is cut out.
 MATERIALS = Table(
     "Materials",
     kinds=INTS,
@@ -56,6 +59,10 @@ MATERIALS = Table(
     slot_values=FLOAT_ROWS,
     slot_codes=INT_ROWS,
     data=FLOATS,
+    cuts=INTS,
+    opacity=INT,
+    pass_holes=INT,
+    shade_holes=INT,
 )
 
 

@@ -22,6 +22,7 @@ from isophote.kernels.base.simd import load_float, load_int, store_float
 from isophote.kernels.light.emitter import closest_lamp, lamp_blocks
 from isophote.kernels.primitive.chain import closest_primitives, find_occluding
 from isophote.kernels.trace import wave as rows
+from isophote.kernels.trace.holes import has_holes, pass_holes_of_rays, pass_holes_of_shadows, share_left
 from isophote.kernels.trace.wave import add_radiance, row_vec3
 
 __all__ = [
@@ -150,7 +151,13 @@ def closest_direct_of_wave(scene, wave, count):
 
 @device
 def trace_rays(scene, wave, count, coherent):
-    """First hit of every path's ray, lamps included."""
+    """First hit of every path's ray, lamps included; beyond holes, where the scene has any (holes.py)."""
+    _trace_to_surfaces(scene, wave, count, coherent)
+    pass_holes_of_rays(scene, wave, count)
+
+
+@device
+def _trace_to_surfaces(scene, wave, count, coherent):
     if scene.geometry.blocks.rows == 0:
         for i in range(count):
             wave.longs[rows.HIT_SLOT, i] = -1
@@ -218,16 +225,22 @@ def find_blocked_directly(scene, wave, count):
 
 @device
 def find_blocked(scene, wave, count, coherent):
-    """Whether each shadow ray of the wave meets anything before its end, 0 or 1 in its row BLOCKED."""
+    """Whether each shadow ray of the wave meets anything before its end, 0 or 1 in its row BLOCKED; `share_left` says
+    what is left of the light of others."""
     _blocked_by_triangles(scene.geometry, wave, count, coherent)
     find_blocked_directly(scene, wave, count)
-    if scene.lights.lamps.rows == 0:
-        return
+    if scene.lights.lamps.rows > 0:
+        _blocked_by_lamps(scene.lights, wave, count)
+    pass_holes_of_shadows(scene, wave, count)
+
+
+@device
+def _blocked_by_lamps(lights, wave, count):
     floats, ints = wave.floats, wave.ints
     for i in range(count):
         if ints[rows.BLOCKED, i] == 0:
             origin, direction = row_vec3(floats, rows.SHADOW_ORIGIN, i), row_vec3(floats, rows.SHADOW_DIRECTION, i)
-            ints[rows.BLOCKED, i] = lamp_blocks(scene.lights, origin, direction, floats[rows.SHADOW_END, i])
+            ints[rows.BLOCKED, i] = lamp_blocks(lights, origin, direction, floats[rows.SHADOW_END, i])
 
 
 @device
@@ -237,4 +250,5 @@ def trace_shadow_rays(scene, wave, count, coherent):
     for i in range(count):
         if wave.ints[rows.BLOCKED, i] == 0:
             light = row_vec3(wave.floats, rows.SHADOW_LIGHT, i)
+            light = light * share_left(scene, wave, i) if has_holes(scene) else light
             add_radiance(wave, np.int64(wave.ints[rows.SHADOW_OWNER, i]), light)

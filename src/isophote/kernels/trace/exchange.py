@@ -22,6 +22,7 @@ from isophote.kernels.base.vec import vec3
 from isophote.kernels.light.form_factor import corner3, on_patch, point_to_polygon
 from isophote.kernels.trace import wave as rows
 from isophote.kernels.trace.batch import find_blocked
+from isophote.kernels.trace.holes import share_left
 from isophote.kernels.trace.tables import SCENE
 from isophote.kernels.trace.wave import set_row_vec3
 
@@ -204,7 +205,7 @@ def _seen(scene, wave):
     sum_ = 0.0
     for i in range(_RAYS):
         if wave.ints[rows.BLOCKED, i] == 0:
-            sum_ += np.float64(wave.floats[rows.DENSITY, i])
+            sum_ += np.float64(wave.floats[rows.DENSITY, i] * share_left(scene, wave, i))
     return sum_
 
 

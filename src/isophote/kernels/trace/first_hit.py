@@ -5,13 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from isophote.kernels.accel.geometry import closest_hit
-from isophote.kernels.accel.surface import PUBLIC, face_number
+from isophote.kernels.accel.surface import PUBLIC, face_number, offset_point
 from isophote.kernels.base.jit import device, kernel
 from isophote.kernels.base.table import FLOAT, FLOAT_ROWS, FLOATS, INT_ROWS, Table
 from isophote.kernels.base.vec import dot, length
 from isophote.kernels.light.emitter import closest_lamp, lamp_normal
 from isophote.kernels.trace.camera import camera_ray
-from isophote.kernels.trace.direct import closest_direct, surface_of
+from isophote.kernels.trace.direct import closest_direct, is_surface, surface_of
+from isophote.kernels.trace.holes import has_holes, surface_opacity
 from isophote.kernels.trace.shading import surface_colour
 from isophote.kernels.trace.tables import SCENE
 
@@ -19,6 +20,8 @@ __all__ = ["FEATURES", "first_hits"]
 
 _ZERO = np.float32(0)
 _FAR, _NONE = np.float32(np.inf), np.int64(-1)
+# What is less opaque than this is looked through, at so many surfaces at most.
+_LEAST, _MOST = np.float32(0.5), np.int64(4096)
 
 # Rows y, pixels x: `depth`, `distance`, `item`, `primitive` (height, width), the others (height, channels · width).
 # `film_x`, `film_y`: the place from each pixel's corner; `lens_a`, `lens_b`: the point of the unit disk of the lens.
@@ -72,6 +75,31 @@ def _write_surface(scene, features, y, x, origin, direction, hit):
     features.primitive[y, x] = face_number(scene.surfaces, surface.item, surface.triangle)
 
 
+@device
+def _met(scene, start, direction, scratch):
+    """(hit, t, lamp) of a ray: the first surface, and the first lamp before it, or −1."""
+    hit = closest_hit(scene.geometry, start, direction, _FAR, scratch)
+    hit = closest_direct(scene, start, direction, hit, scratch)
+    t, lamp = closest_lamp(scene.lights, start, direction, hit.t)
+    return hit, t, lamp
+
+
+@device
+def _seen(scene, origin, direction, scratch):
+    """(start, hit, t, lamp) where a ray from `origin` first meets what can be seen; hit and t are told from `start`."""
+    start = origin
+    hit, t, lamp = _met(scene, start, direction, scratch)
+    left = _MOST if has_holes(scene) else np.int64(0)
+    while left > 0 and lamp < 0 and is_surface(hit.slot):
+        surface = surface_of(scene, start, direction, hit, scratch)
+        if surface_opacity(scene, surface, hit, direction / length(direction), scratch) >= _LEAST:
+            break
+        start = offset_point(surface.place, surface.normal, surface.error, direction)
+        hit, t, lamp = _met(scene, start, direction, scratch)
+        left -= 1
+    return start, hit, t, lamp
+
+
 @kernel
 def first_hits(scene_words, feature_words, width, y0, y1):
     """Fill rows y0 ≤ y < y1 of the features; where nothing is met, they keep what they hold."""
@@ -80,14 +108,13 @@ def first_hits(scene_words, feature_words, width, y0, y1):
         for x in range(width):
             px, py = np.float32(x) + features.film_x, np.float32(y) + features.film_y
             origin, direction = camera_ray(scene.camera, px, py, features.lens_a, features.lens_b)
-            hit = closest_hit(scene.geometry, origin, direction, _FAR, features.scratch)
-            hit = closest_direct(scene, origin, direction, hit, features.scratch)
-            t, lamp = closest_lamp(scene.lights, origin, direction, hit.t)
+            start, hit, t, lamp = _seen(scene, origin, direction, features.scratch)
             if lamp < 0 and hit.slot == _NONE:
                 continue
-            features.depth[y, x] = t
-            features.distance[y, x] = t * length(direction)
+            depth = dot(start - origin, direction) / dot(direction, direction) + t
+            features.depth[y, x] = depth
+            features.distance[y, x] = depth * length(direction)
             if lamp >= 0:
-                _write_lamp(scene, features, y, x, origin, direction, t, lamp)
+                _write_lamp(scene, features, y, x, start, direction, t, lamp)
             else:
-                _write_surface(scene, features, y, x, origin, direction, hit)
+                _write_surface(scene, features, y, x, start, direction, hit)

@@ -18,6 +18,7 @@ from isophote.kernels.base.vec import orthonormal, vec3
 from isophote.kernels.base.warp import PI, to_disk
 from isophote.kernels.trace import wave as rows
 from isophote.kernels.trace.batch import find_blocked
+from isophote.kernels.trace.holes import share_left
 from isophote.kernels.trace.tables import SCENE
 from isophote.kernels.trace.wave import row_vec3, set_row_vec3
 
@@ -113,7 +114,8 @@ def find_openings(scene_words, opening_words, wave_words, first_point, last_poin
         find_blocked(scene, wave, count, openings.warp == GIVEN)
         for i in range(count):
             if wave.ints[rows.BLOCKED, i] == 0:
-                k, weight = np.int64(wave.ints[rows.PIXEL, i]), np.float64(wave.floats[rows.DENSITY, i])
+                k = np.int64(wave.ints[rows.PIXEL, i])
+                weight = np.float64(wave.floats[rows.DENSITY, i] * share_left(scene, wave, i))
                 direction = row_vec3(wave.floats, rows.SHADOW_DIRECTION, i)
                 sums[k, 0] += weight
                 sums[k, 1] += weight * direction.x

@@ -15,6 +15,7 @@ from isophote.kernels.base.warp import to_disk
 from isophote.kernels.trace import wave as rows
 from isophote.kernels.trace.batch import find_blocked, trace_rays
 from isophote.kernels.trace.direct import surface_of
+from isophote.kernels.trace.holes import has_holes, share_left
 from isophote.kernels.trace.samples import FIRST, Tile, develop, draw, start_paths
 from isophote.kernels.trace.shading import seen_normal
 from isophote.kernels.trace.tables import FILM, PLAN, SCENE
@@ -27,6 +28,8 @@ SKY = Table("OcclusionSky", reach=FLOAT, bent=DOUBLE_BOXES)
 
 _ZERO, _ONE = np.float32(0), np.float32(1)
 _NONE = np.int64(-1)
+# Sampling dimension of what chances rays have to go through cut-outs.
+_HOLES = np.int64(2**20)
 
 open_scene, open_plan, open_film, open_wave = SCENE.open, PLAN.open, FILM.open, rows.WAVE.open
 open_sky = SKY.open
@@ -62,6 +65,8 @@ def occlusion_tile(scene_words, plan_words, sky_words, film_words, wave_words, x
     tile = Tile(x0, x1, y0, y1)
     count, place = start_paths(scene, plan, film, tile, np.int64(0), wave)
     while count > 0:
+        if has_holes(scene):
+            draw(plan, wave, count, FIRST + _HOLES, rows.PICK_U)
         trace_rays(scene, wave, count, True)
         draw(plan, wave, count, FIRST, rows.LIGHT_U)
         rays = np.int64(0)
@@ -74,16 +79,17 @@ def occlusion_tile(scene_words, plan_words, sky_words, film_words, wave_words, x
         for k in range(rays):
             if wave.ints[rows.BLOCKED, k] == 0:
                 owner = np.int64(wave.ints[rows.SHADOW_OWNER, k])
-                add_radiance(wave, owner, vec3(_ONE, _ONE, _ONE))
-                _bend(sky, wave, np.int64(wave.ints[rows.PLACE, owner]), k)
+                left = share_left(scene, wave, k)
+                add_radiance(wave, owner, vec3(left, left, left))
+                _bend(sky, wave, np.int64(wave.ints[rows.PLACE, owner]), k, left)
         develop(plan, count, wave, film)
         count, place = start_paths(scene, plan, film, tile, place, wave)
 
 
 @device
-def _bend(sky, wave, pixel, k):
-    """Add the direction of free ray `k` to its pixel's."""
-    direction = row_vec3(wave.floats, rows.SHADOW_DIRECTION, k)
+def _bend(sky, wave, pixel, k, left):
+    """Add the direction of ray `k`, as far as it is free, to its pixel's."""
+    direction = row_vec3(wave.floats, rows.SHADOW_DIRECTION, k) * left
     sky.bent[pixel, 0] += direction.x
     sky.bent[pixel, 1] += direction.y
     sky.bent[pixel, 2] += direction.z

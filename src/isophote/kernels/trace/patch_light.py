@@ -17,6 +17,7 @@ from isophote.kernels.light.form_factor import on_patch
 from isophote.kernels.trace import wave as rows
 from isophote.kernels.trace.batch import find_blocked
 from isophote.kernels.trace.exchange import PATCHES
+from isophote.kernels.trace.holes import share_left
 from isophote.kernels.trace.tables import SCENE
 from isophote.kernels.trace.wave import row_vec3, set_row_vec3
 
@@ -92,7 +93,7 @@ def _collect(scene, wave, at_places):
     find_blocked(scene, wave, _PLACES, True)
     for i in range(_PLACES):
         if wave.ints[rows.BLOCKED, i] == 0:
-            light = row_vec3(wave.floats, rows.SHADOW_LIGHT, i)
+            light = row_vec3(wave.floats, rows.SHADOW_LIGHT, i) * share_left(scene, wave, i)
             at_places[i, 0] += light.x
             at_places[i, 1] += light.y
             at_places[i, 2] += light.z

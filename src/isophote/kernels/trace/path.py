@@ -32,6 +32,7 @@ from isophote.kernels.trace import wave as rows
 from isophote.kernels.trace.batch import LAMP, trace_rays, trace_shadow_rays
 from isophote.kernels.trace.boundary import goes_smoothly, set_relative_index
 from isophote.kernels.trace.direct import is_surface, surface_of
+from isophote.kernels.trace.holes import has_holes
 from isophote.kernels.trace.material import evaluate_linked, lit_side, prepare_linked, sample_linked
 from isophote.kernels.trace.pick import chance_of_light, pick_for
 from isophote.kernels.trace.samples import FIRST, Tile, develop, draw, start_paths
@@ -54,6 +55,8 @@ open_scene, open_plan, open_film, open_wave = SCENE.open, PLAN.open, FILM.open, 
 
 # Sampling dimensions (pairs of numbers): three for each ray of the path.
 _PICK, _LIGHT, _SCATTER, _PER_RAY = np.int64(0), np.int64(1), np.int64(2), np.int64(3)
+# Beyond those: what chances rays have to go through cut-outs.
+_HOLES = np.int64(2**20)
 
 
 @device
@@ -282,6 +285,8 @@ def path_trace_tile(scene_words, plan_words, film_words, wave_words, x0, x1, y0,
     while count > 0:
         alive = count
         for depth in range(1, plan.max_depth + 1):
+            if has_holes(tables):
+                draw(plan, wave, alive, _HOLES + depth, rows.PICK_U)
             # Rays of one pixel leave the camera together; later ones go every way.
             trace_rays(tables, wave, alive, depth == 1)
             _draw_step(plan, wave, alive, depth)

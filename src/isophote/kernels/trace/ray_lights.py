@@ -23,6 +23,7 @@ from isophote.kernels.trace import ray_tree
 from isophote.kernels.trace import wave as rows
 from isophote.kernels.trace.batch import find_blocked
 from isophote.kernels.trace.boundary import set_relative_index
+from isophote.kernels.trace.holes import share_left
 from isophote.kernels.trace.material import evaluate_material, prepare_material
 from isophote.kernels.trace.ray_log import log_light, log_visible
 from isophote.kernels.trace.samples import FIRST
@@ -180,7 +181,7 @@ def _left(tables, tree, wave, k):
     """What is left of the light of shadow ray `k`."""
     blocked, inside = wave.ints[rows.BLOCKED, k] != 0, tree.rays[ray_tree.SHADOW_INSIDE, k]
     if tree.tint == 0 or (not blocked and inside == 0):
-        left = _ZERO if blocked else _ONE
+        left = _ZERO if blocked else share_left(tables, wave, k)
         return vec3(left, left, left)
     ray, scratch = tree.shadow, wave.scratch
     for row in range(3):

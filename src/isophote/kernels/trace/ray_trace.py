@@ -25,6 +25,7 @@ from isophote.kernels.trace import wave as rows
 from isophote.kernels.trace.batch import LAMP, trace_rays
 from isophote.kernels.trace.boundary import goes_smoothly, split_ray
 from isophote.kernels.trace.direct import is_surface, surface_of
+from isophote.kernels.trace.holes import has_holes, stop_at_any, surface_opacity
 from isophote.kernels.trace.material import branch_material, sample_material
 from isophote.kernels.trace.ray_lights import light_surfaces, prepare_surface, remember_surface
 from isophote.kernels.trace.ray_log import LOG, log_camera, log_hit, log_terms
@@ -136,6 +137,15 @@ def _branch_any(tables, tree, wave, log, levels, level, i, surface, direction, c
 
 
 @device
+def _branch_through(tree, log, wave, levels, level, i, surface, direction, carried, opacity):
+    """The ray that goes straight on through a cut-out; `carried` holds its opacity, which is above 0, already."""
+    share = (_ONE - opacity) / opacity
+    kind, inside, weight = ray_log.PASSED, wave.longs[rows.INSIDE, i], vec3(share, share, share)
+    start = _start(surface, direction)
+    branch(tree, log, wave, levels, level, i, kind, inside, start, direction, carried, weight)
+
+
+@device
 def _meet_surface(tables, plan, tree, wave, log, level, i, lit):
     """What a ray gathers at a surface, apart from lights, and the rays that leave it. Returns 1 if lights shine on it,
     which is noted in column `lit`, else 0."""
@@ -146,8 +156,9 @@ def _meet_surface(tables, plan, tree, wave, log, level, i, lit):
     material = np.int64(tables.surfaces.items[surface.item, MATERIAL])
     inside = wave.longs[rows.INSIDE, i]
     boundary = surface_boundary(tables.media, material, inside, dot(direction, surface.normal) < _ZERO)
+    opacity = surface_opacity(tables, surface, hit, direction, wave.scratch) if has_holes(tables) else _ONE
     prepare_surface(tables, surface, boundary, hit, direction, wave.scratch)
-    tint = attenuation(tables.media, boundary.before, t)
+    tint = attenuation(tables.media, boundary.before, t) * opacity
     carried = row_vec3(floats, rows.CARRIED, i) * tint
     emitted, ambient = _emitted(tables, surface, direction), vec3(_ZERO, _ZERO, _ZERO)
     scatters = tables.materials.scatters[material] != 0 and not goes_smoothly(tables, material, boundary)
@@ -164,6 +175,8 @@ def _meet_surface(tables, plan, tree, wave, log, level, i, lit):
         _branch_glass(tables, tree, wave, log, levels, level, i, surface, hit, direction, boundary, carried)
     else:
         _branch_any(tables, tree, wave, log, levels, level, i, surface, direction, carried)
+    if opacity < _ONE:
+        _branch_through(tree, log, wave, levels, level, i, surface, direction, carried, opacity)
     return np.int64(scatters)
 
 
@@ -204,6 +217,8 @@ def ray_trace_tile(scene_words, plan_words, film_words, wave_words, tree_words, 
             tree.rays[ray_tree.RAY_LOGGED, i] = log_camera(log, wave, i)
         count, level = trees, np.int64(0)
         while count > 0:
+            if has_holes(tables):
+                stop_at_any(wave, count)
             # Rays of one pixel leave the camera together; later ones go every way.
             trace_rays(tables, wave, count, level == 0)
             lit = _shade(tables, plan, tree, wave, log, level, count)

@@ -18,6 +18,7 @@ from isophote.kernels.light.emitter import lamp_blocks
 from isophote.kernels.light.medium import attenuation, current_medium, medium_ior, surface_boundary
 from isophote.kernels.trace.boundary import goes_smoothly, split_ray
 from isophote.kernels.trace.direct import closest_direct, surface_of
+from isophote.kernels.trace.holes import surface_opacity
 from isophote.kernels.trace.material import branch_material, prepare_material
 from isophote.kernels.trace.shading import surface_colour
 from isophote.kernels.trace.tables import SCENE
@@ -88,7 +89,9 @@ def shadow_tint(scene_address, scratch_address, words, ray_address, inside):
         if goes_smoothly(scene, material, boundary):
             left = left * _through_boundary(scene, surface, hit, direction, boundary, scratch)
         else:
-            left = left * _through_any(scene, surface, hit, direction, material, scratch)
+            whole = surface_opacity(scene, surface, hit, direction, scratch)
+            through = _through_any(scene, surface, hit, direction, material, scratch)
+            left = left * (through * whole + vec3(_ONE, _ONE, _ONE) * (_ONE - whole))
         if maximum_component(left) <= _ZERO:
             break
         inside = boundary.inside

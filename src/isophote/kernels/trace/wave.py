@@ -34,7 +34,9 @@ DENSITY, SHADOW_END, HIT_T, HIT_W1, HIT_W2 = 21, 22, 23, 24, 25
 PICK_U, PICK_V, LIGHT_U, LIGHT_V, SCATTER_U, SCATTER_V = 26, 27, 28, 29, 30, 31
 # Three rows: the normal by which lights were picked where the ray begins (light_tree_layout.py).
 FROM_NORMAL = 32
-FLOAT_COUNT = 35
+# Share of a shadow ray's light that cut-outs leave, where the scene has any (holes.py).
+LEFT = 35
+FLOAT_COUNT = 36
 
 # Unsigned rows: the pixel's number for sampling, sample, column of the path at the wave's start, the same for its
 # shadow ray, whether that is blocked, and the place on the film of the path that began in this column.

@@ -17,6 +17,7 @@ from isophote.errors import IsophoteWarning, RenderError
 from isophote.lower.lights import rectangle_mesh
 from isophote.lower.materials import emission_of
 from isophote.scene.colour import srgb_to_linear
+from isophote.scene.cutout import Cutout
 from isophote.scene.image_texture import ImageTexture
 from isophote.scene.light import RectLight
 from isophote.scene.material import Emitter, Material, Matte
@@ -73,6 +74,8 @@ class _Surface:
         radiance, self.shines_behind = emission_of(material)
         self.albedo, self.emission = np.zeros(3), np.pi * np.array(radiance)
         self.texture: ImageTexture | None = None
+        if isinstance(material, Cutout):
+            material = material.material
         if isinstance(material, Emitter):
             if material.body is None:
                 return
