@@ -144,6 +144,7 @@ _HOME = {
     "sphere": "shapes.field.solids",
     "star": "shapes.field.field2",
     "studio": "scene.studio",
+    "tangents": "convert.tangents",
     "text": "shapes.field.field2",
     "texture_values": "lower.texture_probe",
     "to_glsl": "convert.glsl",

@@ -49,7 +49,7 @@ def corner_tangents(mesh: Mesh, cut: Triangles) -> npt.NDArray[np.float32]:
     found = np.zeros((len(points), 3, 4), np.float64)
     found[..., 0], found[..., 3] = 1.0, -1.0
     if whole.any():
-        found[whole] = _of_triangles(*(np.ascontiguousarray(a[whole]) for a in (points, normals, uvs, welded)))
+        found[whole] = _of_triangles(points[whole], normals[whole], uvs[whole], welded[whole])
         _copy_to_degenerate(found, welded, whole)
     return found.astype(np.float32)
 

@@ -22,8 +22,8 @@ _LEAST = 1.1754944e-38
 
 @kernel
 def find_directions(points, uvs, directions, turned, loose):
-    """Of triangles with corners `points` (t, 3, 3) and `uvs` (t, 3, 2): the unit direction ∂P/∂u (t, 3), 1 where texture
-    coordinates run as the corners do and 0 where they are mirrored, and 1 where they tell no direction."""
+    """Of triangles with corners `points` (t, 3, 3) and `uvs` (t, 3, 2): the unit direction ∂P/∂u (t, 3), 1 where
+    texture coordinates run as the corners do and 0 where they are mirrored, and 1 where they tell no direction."""
     for f in range(len(points)):
         a = row3(points[f], 0)
         d1, d2 = difference(row3(points[f], 1), a), difference(row3(points[f], 2), a)
