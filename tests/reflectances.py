@@ -1,20 +1,10 @@
-"""Materials that tests of reflectance walk over, and integrals over directions."""
+"""Materials that tests of reflectance walk over, several of a kind."""
 
 from __future__ import annotations
 
-from functools import cache
-
-import numpy as np
-import numpy.typing as npt
-
 import isophote as iso
-from isophote.lower.probe import Probe
 
-__all__ = ["ALL", "GLASSES", "MATTE_OR_GLOSSY", "SINGLE", "WHITE", "direction", "disk_points", "probe", "sphere_grid"]
-
-Floats = npt.NDArray[np.float64]
-
-_WHITE_INDEX = (1e-4, 1e3)
+__all__ = ["ALL", "GLASSES", "MATTE_OR_GLOSSY", "SINGLE"]
 
 # Materials that scatter to all directions, with parameters that a grid of directions can follow.
 MATTE_OR_GLOSSY: dict[str, iso.Material] = {
@@ -54,52 +44,3 @@ SINGLE: dict[str, iso.Material] = {
     "mix of glass and mirror": iso.Mix(iso.Glass(1.4), iso.Mirror(0.5), 0.7),
 }
 ALL = MATTE_OR_GLOSSY | GLASSES | SINGLE
-
-# Those that give back all light, whatever their parameters.
-WHITE: dict[str, iso.Material] = {
-    "matte": iso.Matte(1.0),
-    "Oren-Nayar": iso.OrenNayar(1.0, 1.0),
-    "metal": iso.Metal(_WHITE_INDEX, 0.5),
-    "rough metal": iso.Metal(_WHITE_INDEX, 1.0),
-    "plastic": iso.Plastic(1.0, 0.4),
-    "smooth plastic": iso.Plastic(1.0, 0.0),
-    "principled dielectric": iso.Principled(1.0, 0.0, 0.5),
-    "principled metal": iso.Principled(1.0, 1.0, 0.7),
-    "principled half metal": iso.Principled(1.0, 0.4, 0.3),
-    "mix": iso.Mix(iso.Matte(1.0), iso.Metal(_WHITE_INDEX, 0.6), 0.4),
-}
-
-
-@cache
-def probe(material: iso.Material) -> Probe:
-    """The probe of a material, made once."""
-    return Probe(material)
-
-
-def direction(theta: float, phi: float = 0.0) -> Floats:
-    """The unit vector at these angles from z and from x."""
-    return np.array([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)])
-
-
-def sphere_grid(rows: int, columns: int) -> tuple[Floats, Floats]:
-    """(rows · columns, 3) directions over the whole sphere, and the solid angle (rows · columns,) that each stands for.
-
-    Rows go from z = −1 up in even steps of the angle to the z axis.
-    """
-    edges = np.linspace(np.pi, 0, rows + 1)
-    theta = (edges[1:] + edges[:-1]) / 2
-    phi = 2 * np.pi * (np.arange(columns) + 0.5) / columns
-    theta, phi = (a.reshape(-1) for a in np.meshgrid(theta, phi, indexing="ij"))
-    angles = np.repeat(np.diff(np.cos(edges)), columns) * 2 * np.pi / columns
-    return np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], 1), angles
-
-
-def disk_points(count: int, seed: int = 1) -> Floats:
-    """(count, 3): points of the unit disk, and a number from 0 to 1 each; jittered, so that means are tight."""
-    side = int(np.sqrt(count))
-    rng = np.random.default_rng(seed)
-    cells = np.stack(np.meshgrid(np.arange(side), np.arange(side)), 2).reshape(-1, 2)
-    u, v = ((cells + rng.random(cells.shape)) / side).T
-    pick = (rng.permutation(side * side) + rng.random(side * side)) / (side * side)
-    r = np.sqrt(u)
-    return np.stack([r * np.cos(2 * np.pi * v), r * np.sin(2 * np.pi * v), np.minimum(pick, 1 - 2.0**-24)], 1)

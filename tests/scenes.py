@@ -5,17 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 import isophote as iso
+from isophote.checks.scenes import box
 
 __all__ = ["WHITE_SKY", "box", "icosphere", "mean", "plane", "render"]
 
 WHITE_SKY = iso.Sky("white", 1.0)
-
-
-def box(size: float = 1.0, inward: bool = False) -> iso.Mesh:
-    """A cube of quads around the origin."""
-    corners = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * size / 2
-    faces = np.array([(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)])
-    return iso.Mesh(corners, faces[:, ::-1] if inward else faces)
 
 
 def plane(size: float = 2.0) -> iso.Mesh:

@@ -9,6 +9,7 @@ import pytest
 from numba import njit
 
 import isophote as iso
+from isophote.checks.statistics import chi_square_deviation
 from isophote.kernels.base.table import Packed
 from isophote.kernels.base.vec import normalise, vec3
 from isophote.kernels.light import emitter
@@ -21,7 +22,7 @@ from isophote.kernels.light.environment import (
 )
 from isophote.lower.lights import LightTable, rectangle_mesh
 from isophote.scene.light import direction_to_uv, uv_to_direction
-from statistics_of_samples import deviation, stratified
+from statistics_of_samples import stratified
 
 open_lights, open_environment = LIGHTS.open, ENVIRONMENT.open
 SQUARE = stratified(300)
@@ -153,7 +154,7 @@ def test_triangle():
     cells = np.zeros((n, n, 2))
     np.add.at(cells, (i, j, ((weights * n).sum(axis=1) - i - j > 1).astype(int)), 1)
     inside = np.add.outer(np.arange(n), np.arange(n))[:, :, None] + np.arange(2) < n
-    assert deviation(cells[inside], np.full(n * n, COUNT / (n * n))) < 3.72
+    assert chi_square_deviation(cells[inside], np.full(n * n, COUNT / (n * n))) < 3.72
 
 
 @pytest.mark.parametrize("point", [(0, 0, 0), (2, 1, -1), (0.4, 1.9, 0.2)])
@@ -174,7 +175,7 @@ def test_rectangle(point):
     )
     cells = np.histogram2d(*local.T, bins=10, range=[[-1e-6, 1 + 1e-6], [-1e-6, 1 + 1e-6]])[0]
     assert cells.sum() == COUNT
-    assert deviation(cells, np.full(cells.shape, COUNT / cells.size)) < 3.72
+    assert chi_square_deviation(cells, np.full(cells.shape, COUNT / cells.size)) < 3.72
 
 
 def test_disk():
@@ -183,7 +184,7 @@ def test_disk():
     check_area_light(samples, 2 * math.pi * (1 - h / math.hypot(r, h)), math.pi * r * r / (r * r + h * h))
     x, _, z = samples.places((0, 0, 0)).T
     cells = np.histogram2d((x * x + z * z) / (r * r), np.arctan2(x, z), bins=(10, 12))[0]
-    assert deviation(cells, np.full(cells.shape, COUNT / cells.size)) < 3.72
+    assert chi_square_deviation(cells, np.full(cells.shape, COUNT / cells.size)) < 3.72
 
 
 @pytest.mark.parametrize("radius", [0.6, 1.9, 1e-2, 1e-4, 1e-6])
@@ -206,7 +207,7 @@ def test_sphere(radius):
     across2 = (local[:, :2] ** 2).sum(axis=1)
     below = across2 / (1 + np.sqrt(1 - across2)) / (sine2 / (1 + math.sqrt(1 - sine2)))
     cells = np.histogram2d(np.minimum(below, 1), np.arctan2(local[:, 0], local[:, 1]), bins=(10, 12))[0]
-    assert deviation(cells, np.full(cells.shape, COUNT / cells.size)) < 3.72
+    assert chi_square_deviation(cells, np.full(cells.shape, COUNT / cells.size)) < 3.72
 
 
 def test_inside_a_sphere_nothing_arrives():
@@ -347,7 +348,7 @@ def test_sky_is_sampled_by_the_density_it_claims(name, rotation, constant):
     weights = solid_angles(rows * fine, columns * fine)
     mass = (claimed.reshape(weights.shape) * weights).reshape(rows, fine, columns, fine).sum(axis=(1, 3))
     assert mass.sum() == pytest.approx(1, abs=2e-3)
-    assert deviation(found, COUNT * mass / mass.sum()) < 3.72
+    assert chi_square_deviation(found, COUNT * mass / mass.sum()) < 3.72
     # What the sky sends in all, by samples and by midpoints.
     total = (radiances.astype(np.float64) / densities[:, None]).mean(axis=0)
     assert np.allclose(total, (colours * weights.reshape(-1, 1)).sum(axis=0), rtol=5e-3)

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 import isophote as iso
-from reflectances import GLASSES, MATTE_OR_GLOSSY, WHITE, probe
+from isophote.checks.materials import WHITE, probe_of
+from reflectances import GLASSES, MATTE_OR_GLOSSY
 from scenes import WHITE_SKY, box, icosphere, mean, plane, render
 
 RADIANCE = (4.0, 3.0, 2.0)
@@ -44,7 +45,7 @@ def lit(material: iso.Material, centre: tuple[float, float, float], facing: floa
     places = np.stack([1.6 * x, 0 * x, 1.0 * z], -1).reshape(-1, 3) + centre
     distance = np.linalg.norm(places, axis=1)
     into = places / distance[:, None]
-    value = probe(material).evaluate(local(EYE / np.linalg.norm(EYE)), local(into)).value
+    value = probe_of(material).evaluate(local(EYE / np.linalg.norm(EYE)), local(into)).value
     solid = np.maximum(into[:, 1] * -facing, 0) / distance**2 * 1.6 / n**2
     return (value * solid[:, None]).sum(axis=0) * np.array(RADIANCE)
 

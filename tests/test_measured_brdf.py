@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 
 import isophote as iso
+from isophote.checks.materials import probe_of
+from isophote.checks.scatter import direction, disk_points, sphere_grid
+from isophote.checks.statistics import chi_square_deviation
 from isophote.lower.probe import Probe
-from reflectances import direction, disk_points, probe, sphere_grid
-from statistics_of_samples import deviation
 
 PLASTIC = iso.Plastic((0.6, 0.2, 0.1), 0.4)
 
@@ -35,7 +36,7 @@ def test_a_table_reflects_as_what_it_was_made_of(table: iso.Measured) -> None:
         out = direction(angle, 0.3)
         grid, _ = sphere_grid(90, 60)
         above = grid[grid[:, 2] > 0.1]
-        a, b = (one.evaluate(out, above).value for one in (measured, probe(PLASTIC)))
+        a, b = (one.evaluate(out, above).value for one in (measured, probe_of(PLASTIC)))
         # Cells are as wide as a degree and more.
         np.testing.assert_allclose(a, b, rtol=0.06, atol=0.003)
 
@@ -65,12 +66,12 @@ def test_tables_are_sampled_by_their_density(table: iso.Measured) -> None:
     expected = density.reshape(rows, fine, columns, fine).sum(axis=(1, 3)).reshape(-1)
     assert abs(len(into) - expected.sum()) < 0.005 * count
     observed = np.bincount(row * columns + column, minlength=rows * columns)
-    assert deviation(observed, expected * observed.sum() / expected.sum()) < 5
+    assert chi_square_deviation(observed, expected * observed.sum() / expected.sum()) < 5
 
 
 def test_what_tables_reflect_is_sampled_without_bias(table: iso.Measured) -> None:
     for angle in (0.2, 1.2):
-        a, b = (one.sample(direction(angle), disk_points(160_000)).value for one in (Probe(table), probe(PLASTIC)))
+        a, b = (one.sample(direction(angle), disk_points(160_000)).value for one in (Probe(table), probe_of(PLASTIC)))
         np.testing.assert_allclose(a.mean(axis=0), b.mean(axis=0), rtol=0.02)
 
 
@@ -136,7 +137,9 @@ def test_bad_tables_are_refused(table: iso.Measured, tmp_path: Path) -> None:
 
 
 def test_negative_cells_count_as_black() -> None:
-    assert not probe(iso.Measured(np.full((90, 90, 180, 3), -1.0))).evaluate(direction(0.3), direction(0.5)).value.any()
+    assert (
+        not probe_of(iso.Measured(np.full((90, 90, 180, 3), -1.0))).evaluate(direction(0.3), direction(0.5)).value.any()
+    )
 
 
 # --- indices of refraction ------------------------------------------------------------------------

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import isophote as iso
+from isophote.checks.lights import rectangle_irradiance, wall_irradiance
 from isophote.lower import lights as lower_lights
 from isophote.scene.light import uv_to_direction
 from scenes import WHITE_SKY, box, icosphere, mean, plane, render
@@ -27,20 +28,6 @@ def close(image: iso.Image, wanted: object, tolerance: float = 2e-4) -> bool:
 
 
 # --- direct light ---------------------------------------------------------------------------------
-
-
-def rectangle_irradiance(a: float, b: float, h: float) -> float:
-    """Of a parallel rectangle (a, b) of radiance 1 at height h above the point, four times that of its quarter."""
-    x, y = a / 2 / h, b / 2 / h
-    p, q = math.sqrt(1 + x * x), math.sqrt(1 + y * y)
-    return 2 * (x / p * math.atan(y / p) + y / q * math.atan(x / q))
-
-
-def wall_irradiance(width: float, height: float, distance: float) -> float:
-    """Of a rectangle of radiance 1 that stands upright on the floor, seen from in front of its middle."""
-    y, x = width / 2 / distance, height / distance
-    r = math.sqrt(1 + x * x)
-    return math.atan(y) - math.atan(y / r) / r
 
 
 def lamp(width: float, depth: float, height: float, **fields: object) -> iso.Item:

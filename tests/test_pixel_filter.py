@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 import isophote as iso
+from isophote.checks.statistics import chi_square_deviation
 from isophote.errors import RenderError
 from isophote.kernels.base.jit import kernel
 from isophote.kernels.base.table import FLOATS, Table
 from isophote.kernels.light.film import filter_offset, is_negative
 from isophote.rendering.pixel_filter import FILTERS, filter_table
 from scenes import WHITE_SKY, plane, render
-from statistics_of_samples import deviation
 
 NAMES = list(FILTERS)
 CHOSEN = [iso.PixelFilter(name) for name in NAMES]
@@ -110,7 +110,7 @@ def test_offsets_are_distributed_as_the_absolute_value(chosen):
     edges[[0, -1]] = -chosen.reach - 1e-6, chosen.reach + 1e-6
     expected = np.array([integral(chosen, a, b, absolute=True) for a, b in pairwise(edges)])
     whole = expected.sum()
-    assert abs(deviation(np.histogram(x, edges)[0], expected / whole * len(x))) < 4.5
+    assert abs(chi_square_deviation(np.histogram(x, edges)[0], expected / whole * len(x))) < 4.5
     # ∫∫ f f = 1 of ∫∫ |f f| = whole²: negative pairs have the share (1 − 1/whole²) / 2.
     share = max(0.0, (1 - 1 / whole**2) / 2)
     assert (sign < 0).mean() == pytest.approx(share, abs=4.5 * math.sqrt(share * (1 - share) / len(x)) + 2e-4)

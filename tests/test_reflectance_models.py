@@ -9,11 +9,12 @@ import pytest
 from numba import njit
 
 import isophote as iso
+from isophote.checks.materials import probe_of
+from isophote.checks.scatter import direction, sphere_grid
 from isophote.kernels.base.vec import store_vec3, vec3
 from isophote.kernels.brdf.fresnel import fresnel_conductor
 from isophote.scene.metal import METALS
 from isophote.scene.spectrum import rgb_of_spectrum
-from reflectances import direction, probe, sphere_grid
 
 MODELS = Path(__file__).parents[1] / "../shared/models"
 RNG = np.random.default_rng(11)
@@ -32,7 +33,7 @@ COS_O, COS_I, COS_D = OUT[:, 2], INTO[:, 2], (OUT * H).sum(axis=1)
 
 def found(material: iso.Material) -> np.ndarray:
     """f, (n, 3)."""
-    return probe(material).evaluate(OUT, INTO).value / COS_I[:, None]
+    return probe_of(material).evaluate(OUT, INTO).value / COS_I[:, None]
 
 
 def same(a: np.ndarray, b: np.ndarray) -> None:
@@ -67,7 +68,7 @@ def test_blinn() -> None:
 @pytest.mark.parametrize("material", [iso.Phong(0.0, 1.0, 30), iso.Blinn(0.0, 1.0, 30)])
 def test_a_white_highlight_reflects_all_light_from_above(material: iso.Material) -> None:
     grid, cell = sphere_grid(800, 64)
-    total = (probe(material).evaluate(direction(0.0), grid).value[:, 0] * cell).sum()
+    total = (probe_of(material).evaluate(direction(0.0), grid).value[:, 0] * cell).sum()
     assert abs(total - 1) < 2e-3
 
 
@@ -141,7 +142,7 @@ def test_fresnel_of_conductors(name: str) -> None:
 def test_smooth_metal_reflects_by_fresnel() -> None:
     n, k = METALS["gold"]
     for angle in (0.0, 0.6, 1.3, 1.55):
-        branch = probe(iso.Metal("gold", 0)).branch(direction(angle), 0)
+        branch = probe_of(iso.Metal("gold", 0)).branch(direction(angle), 0)
         wanted = [float(conductor(np.cos(angle), complex(a, b))) for a, b in zip(n, k, strict=True)]
         np.testing.assert_allclose(branch.value[0], wanted, atol=2e-6)
         np.testing.assert_allclose(branch.into[0], direction(-angle), atol=1e-6)
@@ -155,9 +156,9 @@ def test_anisotropic_highlights_turn_with_the_tangent() -> None:
         (iso.AshikhminShirley(0.2, 0.5, (100, 5)), iso.AshikhminShirley(0.2, 0.5, (5, 100))),
         (iso.Glass(roughness=(0.4, 0.7)), iso.Glass(roughness=(0.7, 0.4))),
     ):
-        a = probe(one).evaluate(OUT, INTO).value
-        b = probe(other).evaluate(OUT @ turned, INTO @ turned).value
-        assert np.abs(a - probe(other).evaluate(OUT, INTO).value).max() > 0.1
+        a = probe_of(one).evaluate(OUT, INTO).value
+        b = probe_of(other).evaluate(OUT @ turned, INTO @ turned).value
+        assert np.abs(a - probe_of(other).evaluate(OUT, INTO).value).max() > 0.1
         np.testing.assert_allclose(a, b, rtol=2e-3, atol=1e-6)
 
 
@@ -184,7 +185,7 @@ def test_rough_glass_is_walter_s(n: float) -> None:
     t = (h[:, 0] ** 2 + h[:, 1] ** 2) / a**2 + h[:, 2] ** 2
     g = masked(OUT, a, a) * masked(into, a, a)
     wanted = np.abs(i * o) / (COS_O * COS_I) * (1 - dielectric(o, n)) * g / (np.pi * a**2 * t**2) / (o + n * i) ** 2
-    told = probe(iso.Glass(n, roughness=0.7)).evaluate(OUT, into).value[:, 0] / COS_I
+    told = probe_of(iso.Glass(n, roughness=0.7)).evaluate(OUT, into).value[:, 0] / COS_I
     same(told, np.where((o > 0) & (i < 0), wanted, 0))
 
 
@@ -245,5 +246,5 @@ def test_the_table_of_metals_is_that_of_the_measurements(name: str, file: str) -
 def test_gold_and_copper_have_their_colours() -> None:
     """What they reflect of white light from above, linear (elsewhere about 1, 0.77, 0.34 and 0.95, 0.64, 0.54)."""
     for name, wanted in (("gold", (1.0, 0.77, 0.34)), ("copper", (0.95, 0.64, 0.54)), ("silver", (0.97, 0.96, 0.94))):
-        share = probe(iso.Metal(name, 0)).branch(direction(0.0), 0).value[0]
+        share = probe_of(iso.Metal(name, 0)).branch(direction(0.0), 0).value[0]
         np.testing.assert_allclose(share, wanted, atol=0.06)

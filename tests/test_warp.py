@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from numba import njit
 
+from isophote.checks.statistics import chi_square_deviation
 from isophote.kernels.base.vec import normalise, store_vec3, vec3
 from isophote.kernels.base.warp import to_cone, to_disk, to_triangle
 from isophote.kernels.light.bsdf import fresnel_dielectric, scatter_glass, scatter_matte
-from statistics_of_samples import deviation
 
 COUNT = 200_000
 SQUARE = np.random.default_rng(7).integers(0, 2**24, (COUNT, 2)).astype(np.float32) / np.float32(2**24)
@@ -75,7 +75,7 @@ def test_disk_is_filled_evenly():
     assert radius2.max() <= 1 + 1e-6
     cells = polar_cells(points, np.minimum(radius2, 1), 16, 24)
     assert cells.sum() == COUNT
-    assert deviation(cells, even(cells)) < 3.72
+    assert chi_square_deviation(cells, even(cells)) < 3.72
 
 
 def test_corners_and_centre_of_the_square_on_the_disk():
@@ -96,7 +96,7 @@ def test_cones_are_covered_evenly_however_narrow(height):
     below = across2 / (1 + z)
     assert below.max() <= height * (1 + 1e-5)
     cells = polar_cells(points, np.minimum(below / height, 1), 16, 24)
-    assert deviation(cells, even(cells)) < 3.72
+    assert chi_square_deviation(cells, even(cells)) < 3.72
 
 
 def test_triangle_is_filled_evenly():
@@ -114,7 +114,7 @@ def test_triangle_is_filled_evenly():
     found = cells[inside]
     assert len(found) == n * n
     assert found.sum() >= COUNT - 3
-    assert deviation(found, even(found)) < 3.72
+    assert chi_square_deviation(found, even(found)) < 3.72
 
 
 @pytest.mark.parametrize("normal", [(0, 0, 1), (0, 0, -1), (1, 2, -3), (0.6, -0.8, 1e-8)])
@@ -129,7 +129,7 @@ def test_matte_scatters_by_the_cosine_on_the_side_of_its_normal(normal):
     assert np.abs(densities - local[:, 2] / np.pi).max() < 1e-6
     # Equal steps of sin² are equal shares of the cosine.
     cells = polar_cells(local, np.minimum((local[:, :2] ** 2).sum(axis=1), 1), 16, 24)
-    assert deviation(cells, even(cells)) < 3.72
+    assert chi_square_deviation(cells, even(cells)) < 3.72
 
 
 # --- glass ----------------------------------------------------------------------------------------

@@ -6,6 +6,7 @@ import numpy as np
 from numba import njit
 
 from isophote.accel.tree import Tree
+from isophote.checks.rays import brute_force as nearest_of_all
 from isophote.kernels.accel.bvh import any_triangle, closest_triangle
 from isophote.kernels.accel.layout import (
     BLOCK,
@@ -170,24 +171,7 @@ def check_triangles(tree: Tree, geometry: Geometry) -> int:
 
 def brute_force(geometry: Geometry, origins: np.ndarray, directions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Distance along each ray in double precision (inf: none), and whether a ray passes close to an edge."""
-    corners = geometry[0].astype(np.float64)[geometry[1]]
-    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-    a, b, c = corners[area > 0].transpose(1, 0, 2)
-    area = area[area > 0]
-    distances, doubtful = [], []
-    for origin, d in zip(origins.astype(np.float64), directions.astype(np.float64), strict=True):
-        p = np.cross(d, c - a)
-        scale = ((b - a) * p).sum(axis=1)
-        edge_on = np.abs(scale) < 1e-4 * area * np.linalg.norm(d)
-        scale[scale == 0] = 1e-300
-        q = np.cross(origin - a, b - a)
-        u = ((origin - a) * p).sum(axis=1) / scale
-        v = (q @ d) / scale
-        t = (q * (c - a)).sum(axis=1) / scale
-        margin = np.minimum(np.minimum(u, v), 1 - u - v)
-        distances.append(np.min(t, where=(margin >= 0) & (t > 0), initial=np.inf))
-        doubtful.append(bool(((np.abs(margin) < 1e-4) | edge_on).any()))
-    return np.array(distances), np.array(doubtful)
+    return nearest_of_all(geometry[0][geometry[1]], origins, directions)
 
 
 @njit

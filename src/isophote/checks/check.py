@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
 import attrs
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["Check", "Effort", "Measured", "mean_of"]
+__all__ = ["Check", "Effort", "Measured", "farthest", "mean_of"]
 
 
 class Measured(NamedTuple):
@@ -52,6 +52,11 @@ class Check:
     topic: str
     name: str
     measure: Callable[[Effort], Measured]
+
+
+def farthest(found: Iterable[Measured]) -> Measured:
+    """Of several the one that is farthest off, in parts of what it may be."""
+    return max(found, key=lambda one: abs(one.measured - one.exact) / one.allowed)
 
 
 def mean_of(values: npt.ArrayLike, exact: float, rounding: float) -> Measured:

@@ -62,22 +62,19 @@ class SelfcheckReport:
         return {"passed": self.passed, "seconds": self.seconds, "findings": found}
 
     def __str__(self) -> str:
-        rows = {finding: _cells(finding) for finding in self.findings}
-        names = max([len(finding.name) for finding in rows], default=0)
-        widths = [
-            max([len(heading), *(len(cells[k]) for cells in rows.values())]) for k, heading in enumerate(_HEADINGS)
-        ]
-        lines: list[str] = []
+        rows = [(finding, _cells(finding)) for finding in self.findings]
+        names = max([len(finding.name) for finding in self.findings], default=0) + 2
+        widths = [max([len(heading), *(len(cells[k]) for _, cells in rows)]) for k, heading in enumerate(_HEADINGS)]
+        lines = [_line("", _HEADINGS, names, widths)]
         topic = None
-        for finding, cells in rows.items():
+        for finding, cells in rows:
             if finding.topic != topic:
                 topic = finding.topic
-                gap = [""] if lines else []
-                lines += [*gap, _line(topic, _HEADINGS, names + 2, widths)]
-            lines.append(_line(f"  {finding.name}", cells, names + 2, widths))
+                lines.append(topic)
+            lines.append(_line(f"  {finding.name}", cells, names, widths))
             if finding.error is not None:
                 lines.append(f"    {finding.error}")
-        return "\n".join([*lines, "", self._summary()])
+        return "\n".join([*lines, self._summary()])
 
     def _summary(self) -> str:
         count, failed = len(self.findings), len(self.failures)
@@ -95,14 +92,22 @@ def _cells(finding: Finding) -> tuple[str, ...]:
     outcome = "ok" if finding.passed else "FAILED"
     if finding.error is not None:
         return "", "", "", took, outcome
-    decimals = _decimals(finding.allowed)
+    return *_numbers(finding), took, outcome
+
+
+def _numbers(finding: Finding) -> tuple[str, str, str]:
+    """What was measured, what is exact and what is allowed, with as many digits as tell them apart."""
+    sign = "+" if finding.at_most else "±"
     bound = "≤ " if finding.at_most else ""
-    allowed = f"{'+' if finding.at_most else '±'} {finding.allowed:.1e}" if finding.allowed > 0 else "0"
-    return f"{finding.measured:.{decimals}f}", f"{bound}{finding.exact:.{decimals}f}", allowed, took, outcome
+    if finding.allowed == 0:
+        return f"{finding.measured:.3g}", f"{bound}{finding.exact:.3g}", "0"
+    allowed = f"{sign} {finding.allowed:.1e}" if finding.allowed < 1 else f"{sign} {finding.allowed:g}"
+    if finding.exact == 0:
+        return f"{finding.measured:.2g}", f"{bound}0", allowed
+    decimals = _decimals(finding.allowed)
+    return f"{finding.measured:.{decimals}f}", f"{bound}{finding.exact:.{decimals}f}", allowed
 
 
 def _decimals(allowed: float) -> int:
     """Digits after the point that show a tenth of what is allowed."""
-    if allowed == 0:
-        return 0
     return min(max(0, 1 - math.floor(math.log10(allowed))), _MOST_DECIMALS)

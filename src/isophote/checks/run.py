@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import time
 from collections.abc import Iterable
+from typing import NamedTuple
 
 from isophote.checks.check import Check, Effort, Measured
 from isophote.checks.report import Finding, SelfcheckReport
@@ -12,15 +13,33 @@ from isophote.errors import RenderError
 from isophote.progress import ProgressLike, Reporter, reporter
 from isophote.rendering.method import checked_seed
 from isophote.rendering.pool import Pool
+from isophote.rendering.warm import warm_parts
 
 __all__ = ["STAGE", "TOPICS", "selfcheck"]
 
 STAGE = "checking"
 
-# Topic on the command line → the module that holds its checks.
+
+class _Topic(NamedTuple):
+    """The module that holds a topic's checks, and what of rendering/warm.py they need."""
+
+    module: str
+    parts: tuple[str, ...] = ()
+
+
 TOPICS = {
-    "form-factors": "form_factors",
+    "random-numbers": _Topic("random_numbers"),
+    "materials": _Topic("reflectance"),
+    "lights": _Topic("lights", ("path", "first hits", "trees")),
+    "enclosures": _Topic("enclosures", ("path", "first hits", "trees", "materials")),
+    "form-factors": _Topic("form_factors"),
+    "occlusion": _Topic("occlusion", ("trees", "fields", "primitives")),
+    "rays": _Topic("rays", ("trees",)),
+    "fields": _Topic("fields", ("trees", "fields", "primitives")),
+    "agreement": _Topic("agreement", ("path", "ray", "first hits", "trees")),
 }
+# Methods are what takes long to compile; the rest is compiled in a second process beside them.
+_METHODS = ("path",)
 _THOROUGH = 16
 _NAN = float("nan")
 
@@ -43,6 +62,7 @@ def selfcheck(
     effort = Effort(_THOROUGH if thorough else 1, checked_seed(seed), Pool(threads).threads)
     began = time.monotonic()
     with reporter(progress) as report:
+        _warm(chosen, report)
         findings = _run(_checks(chosen), effort, report)
     return SelfcheckReport(findings, time.monotonic() - began)
 
@@ -57,10 +77,16 @@ def _chosen(topics: Iterable[str] | None) -> tuple[str, ...]:
     return tuple(topic for topic in TOPICS if topic in asked)
 
 
+def _warm(topics: Iterable[str], report: Reporter) -> None:
+    parts = dict.fromkeys(part for topic in topics for part in TOPICS[topic].parts)
+    here = [part for part in parts if part in _METHODS]
+    warm_parts(report, here, [part for part in parts if part not in _METHODS])
+
+
 def _checks(topics: Iterable[str]) -> list[Check]:
     found: list[Check] = []
     for topic in topics:
-        found += importlib.import_module(f"isophote.checks.{TOPICS[topic]}").CHECKS
+        found += importlib.import_module(f"isophote.checks.{TOPICS[topic].module}").CHECKS
     return found
 
 

@@ -12,10 +12,18 @@ __all__ = ["EXAMPLES", "TOPICS", "selfcheck"]
 
 # What can be checked by itself; what knows the checks loads slowly.
 TOPICS = {
+    "random-numbers": "sample patterns are even, stratified, unrelated",
+    "materials": "reciprocity, energy, white furnace, samplers of every material",
+    "lights": "irradiance of every kind of light, in closed form",
+    "enclosures": "B = E / (1 − ρ) by path tracing and radiosity; white bodies under a white sky",
     "form-factors": "of polygons: unit squares, closure, reciprocity",
+    "occlusion": "ambient occlusion beside a wall, in a bowl, below a ball",
+    "rays": "every accelerator against all triangles; closed meshes",
+    "fields": "rays and meshes of fields against formulas",
+    "agreement": "radiosity and ray tracing against path tracing; threads",
 }
 
-_TOPICS = "\n".join(f"  {name:<14}{text}" for name, text in TOPICS.items())
+_TOPICS = "\n".join(f"  {name:<16}{text}" for name, text in TOPICS.items())
 
 EXAMPLES = f"""\b
 Examples:

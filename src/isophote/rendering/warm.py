@@ -23,7 +23,7 @@ from isophote.progress import Reporter
 from isophote.scene.scene import Scene
 from isophote.shapes.mesh import Mesh
 
-__all__ = ["compile_parts", "compiled", "warm_up"]
+__all__ = ["STAGE", "compile_parts", "compiled", "warm_parts", "warm_up"]
 
 STAGE = "compiling kernels (first use on this machine)"
 
@@ -177,15 +177,20 @@ def warm_up(report: Reporter, scene: Scene, method: str) -> None:
     # Sphere tracing knows matte surfaces alone.
     if method != "sphere" and any(is_linked(item.material) for item in scene.items):
         rest.append("materials")
-    if compiled([method, *rest]):
+    warm_parts(report, [method], rest)
+
+
+def warm_parts(report: Reporter, here: Sequence[str], rest: Sequence[str]) -> None:
+    """Compile these parts where they are not in the cache yet, those of `rest` in a second process."""
+    if compiled([*here, *rest]):
         return
     with _counted(report):
         other = None
-        if sys.executable:
+        if sys.executable and rest:
             command = [sys.executable, "-c", _OTHER_PROCESS, *rest]
             other = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         try:
-            compile_parts([method])
+            compile_parts(here)
         finally:
             if other is not None:
                 other.wait()
