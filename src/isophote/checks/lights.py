@@ -12,6 +12,7 @@ from isophote.checks.check import Check, Effort, Measured, mean_of
 from isophote.checks.scenes import greys, picture, quad
 from isophote.rendering.path_trace import PathTrace
 from isophote.scene.camera import Camera
+from isophote.scene.image_texture import ImageTexture
 from isophote.scene.light import (
     DiskLight,
     Environment,
@@ -25,7 +26,6 @@ from isophote.scene.light import (
 from isophote.scene.material import Emitter, Matte
 from isophote.scene.scene import Item
 from isophote.scene.spot_light import SpotLight
-from isophote.scene.texture import Texture
 
 __all__ = ["CHECKS", "rectangle_irradiance", "wall_irradiance"]
 
@@ -67,7 +67,7 @@ def _lit(light: Light, exact: float) -> Callable[[Effort], Measured]:
 _WALL = Item(quad((-1.5, 0, -2), (1.5, 0, -2), (1.5, 1.2, -2), (-1.5, 1.2, -2)), Emitter(_RADIANCE))
 _BALL = np.array((1.0, 2.0, -0.5))
 _BALL_AWAY = float(np.linalg.norm(_BALL))
-_PICTURE = Texture(np.full((4, 8, 3), 0.8, np.float32), colour_space="linear")
+_PICTURE = ImageTexture(np.full((4, 8, 3), 0.8, np.float32), colour_space="linear")
 
 CHECKS = [
     Check(

@@ -27,7 +27,7 @@ def quad(*corners: tuple[float, float, float]) -> Mesh:
     return Mesh(corners, [tuple(range(len(corners)))])
 
 
-def box(size: float, inward: bool = False) -> Mesh:
+def box(size: float = 1.0, inward: bool = False) -> Mesh:
     """A cube of quads around the origin."""
     corners = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * size / 2
     faces = np.array([(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)])
