@@ -197,7 +197,7 @@ def test_mean_features_are_those_of_many_places():
     edge = iso.Item(plane(40), iso.Matte((0.8, 0.4, 0.2))).translate((-20, 0, 0))
     camera = iso.OrthographicCamera((0, 3, 0), (0, 0, 0), up=(0, 0, -1), height=1)
     scene = iso.Scene([edge], [iso.Sky()], camera)
-    found = mean_features(lower_scene(scene, (9, 9), None), (9, 9), iso.PixelFilter("box"), None)
+    found = mean_features([lower_scene(scene, (9, 9), None)], (9, 9), iso.PixelFilter("box"), None)
     assert np.allclose(found["albedo"][:, :4], (0.8, 0.4, 0.2), atol=1e-6)
     assert np.allclose(found["albedo"][:, 5:], 1)
     assert np.allclose(found["albedo"][:, 4], (0.9, 0.7, 0.6), atol=0.05)

@@ -4,7 +4,10 @@ import numpy as np
 import pytest
 
 import isophote as iso
+from command_line import run, succeeds
+from isophote.lower.moments import lower_moments
 from isophote.rendering.exposure import shutter_times
+from isophote.rendering.features import mean_features
 
 I = iso.Transform.identity()
 WIDTH, HEIGHT = 32, 8
@@ -18,6 +21,12 @@ SQUARES = {
     "box": iso.box((1, 1, 0.1)),
     "field": iso.box((1, 1, 0.1)) | iso.box((0.9, 0.9, 0.2)),
 }
+SLIDE = """import isophote as iso
+rest = iso.Transform.identity()
+motion = iso.Motion({0: rest.translate((-2, 0, 0)), 1: rest.translate((1, 0, 0))})
+camera = iso.OrthographicCamera((0, 0, 5), (0, 0, 0), height=2)
+scene = iso.Scene([iso.Item(iso.box((1, 1, 0.1)), iso.Emitter((1, 1, 1)), motion)], camera=camera)
+"""
 
 
 def _coverage(start, way):
@@ -187,3 +196,49 @@ def test_times_begin_by_chance_and_are_even():
     assert times[0] != shutter_times(scene, 8, seed=2)[0]
     starts = [shutter_times(scene, 8, seed)[0] for seed in range(2000)]
     assert np.mean(starts) == pytest.approx(2.125, abs=4 * 0.25 / np.sqrt(12 * 2000))
+
+
+@pytest.mark.parametrize(
+    ("method", "channel"),
+    [(iso.SphereTrace(), "colour"), (iso.AmbientOcclusion(by="horizon"), "visibility")],
+)
+def test_methods_that_look_once_at_a_pixel_show_the_mean_of_stills(method, channel):
+    lit = _sliding(SQUARES["box"]).with_(lights=[iso.Sky("white")])
+    plate = iso.Item(iso.box((20, 20, 0.1)).translate((0, 0, -0.4)), iso.Matte(0.2))
+    scene = lit.with_(items=[lit.items[0].with_(material=iso.Matte(0.9)), plate])
+    moving = _render(scene, method).channels[channel]
+    stills = [_render(scene.still(t), method).channels[channel] for t in np.random.default_rng(1).random(60)]
+    error = np.std(stills, axis=0) / np.sqrt(len(stills))
+    assert np.std(stills, axis=0).max() > 0.1
+    # A step of one still in sixteen beside the chance of the others.
+    assert (np.abs(moving - np.mean(stills, axis=0)) <= 4 * error + np.ptp(stills, axis=0) / 12 + 1e-5).all()
+
+
+def test_guides_of_denoising_are_blurred_as_the_colour_is():
+    scene = _sliding(SQUARES["mesh"])
+    times = [(k + 0.5) / 16 for k in range(16)]
+    tables = lower_moments(scene, (WIDTH, HEIGHT), times, 2)
+    normal = mean_features(tables, (WIDTH, HEIGHT), iso.PixelFilter("box"), 2)["normal"]
+    assert np.abs(normal[2:6, :, 2] - _coverage(-2.0, 3.0)).max() < 1.5 / 16
+    denoised = iso.render(
+        scene, iso.PathTrace(samples=16), size=(WIDTH, HEIGHT), denoise="filter", progress=False
+    ).channels["colour"]
+    assert np.abs(denoised[2:6, :, 0] - _coverage(-2.0, 3.0)).max() < 0.15
+
+
+def test_the_command_line_opens_the_shutter(tmp_path):
+    path, out = tmp_path / "slide.py", tmp_path / "out.exr"
+    path.write_text(SLIDE)
+    for shutter, expected in (("0,1", _coverage(-2.0, 3.0)), ("0.25,0.5", _coverage(-1.25, 0.75))):
+        succeeds("render", path, "-o", out, "--shutter", shutter, "--size", f"{WIDTH}x{HEIGHT}", "--samples", 64)
+        found = iso.load_image(out).channels["colour"][2:6, :, 0]
+        assert np.abs(found.mean(axis=0) - expected).max() < 0.03
+    for wrong in ("1,0", "1", "a,b", "0,inf"):
+        assert run("render", path, "-o", out, "--shutter", wrong).exit_code == 2
+
+
+def test_explain_follows_the_rays_of_a_moving_scene():
+    scene, method = _blade(True), iso.RayTrace(samples=8)
+    picture = _render(scene, method, 3, size=(16, 12)).channels["colour"]
+    explained = iso.explain(scene, (8, 6), method=method, size=(16, 12), seed=3)
+    np.testing.assert_allclose(explained.colour, picture[6, 8], rtol=1e-6)

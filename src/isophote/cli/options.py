@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable, Iterable
 
 import typer
 
-__all__ = ["FILTERS", "PATTERNS", "one_of", "picture_size"]
+__all__ = ["FILTERS", "PATTERNS", "one_of", "picture_size", "shutter_of"]
 
 # Names of reconstruction filters and of sample patterns; what knows them for good loads slowly.
 FILTERS = ("box", "tent", "gaussian", "mitchell", "blackman-harris", "lanczos")
@@ -34,3 +35,14 @@ def picture_size(text: str) -> tuple[int, int]:
     if found is None:
         raise typer.BadParameter(f"{text!r} is no size; write width and height in pixels, such as 640x480")
     return int(found[1]), int(found[2])
+
+
+def shutter_of(text: str) -> tuple[float, float]:
+    """(opening, closing) of "0,0.5", in seconds."""
+    try:
+        opened, closed = (float(part) for part in text.split(","))
+    except ValueError:
+        opened, closed = 1.0, 0.0
+    if not -math.inf < opened <= closed < math.inf:
+        raise typer.BadParameter(f"{text!r} is no shutter; write when it opens and closes in seconds, such as 0,0.5")
+    return opened, closed

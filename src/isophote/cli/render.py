@@ -10,10 +10,12 @@ import typer
 
 from isophote.cli.messages import log, print_json
 from isophote.cli.methods import METHODS, new_method
-from isophote.cli.options import FILTERS, PATTERNS, one_of, picture_size
+from isophote.cli.options import FILTERS, PATTERNS, one_of, picture_size, shutter_of
 
 if TYPE_CHECKING:
+    from isophote.cli.subject import Subject
     from isophote.rendering.image import Image
+    from isophote.scene.scene import Scene
 
 __all__ = ["EXAMPLES", "render"]
 
@@ -23,6 +25,7 @@ Examples:
   isophote render bunny.obj -o bunny.png --size 800x800 --samples 256
   isophote render truck.glb -o truck.exr --noise 0.02 --denoise
   isophote render room.py -o room.png --seconds 30 --max-depth 16 --seed 7
+  isophote render wheel.py -o wheel.png --shutter 0,0.02
   isophote render glasses.py -o glasses.png --method ray --depth 10 --light-samples 16
 
 \b
@@ -89,6 +92,10 @@ def render(
         str | None,
         typer.Option(metavar="NAME", help="What finds what rays meet: bvh, grid, kdtree, bih, bsp.  [default: bvh]"),
     ] = None,
+    shutter: Annotated[
+        str | None,
+        typer.Option(metavar="T,T", help="When the camera's shutter opens and closes, in seconds, instead of its own."),
+    ] = None,
     size: Annotated[str, typer.Option(metavar="WxH", help="Width and height in pixels.")] = "640x480",
     seed: Annotated[int, typer.Option(metavar="N", help="The same seed gives the same picture.")] = 0,
     threads: Annotated[
@@ -105,6 +112,7 @@ def render(
     """Render a scene or a model into a picture."""
     del backend  # Every method runs on the processor, whichever of the two is asked for.
     width, height = picture_size(size)
+    times = None if shutter is None else shutter_of(shutter)
     settings = {
         "samples": samples,
         "seconds": seconds,
@@ -131,9 +139,19 @@ def render(
     target = output.resolve()
     began = time.monotonic()
     subject = load_subject(scene, strict=strict)
+    if times is not None:
+        subject = _exposed(subject, times, width / height)
     image = render_image(subject, chosen, size=pixels, seed=seed, progress=progress(), threads=threads, denoise=denoise)
     image.save(target)
     _report(output, image, time.monotonic() - began, as_json)
+
+
+def _exposed(subject: Subject, times: tuple[float, float], aspect: float) -> Scene:
+    """A subject, with a camera whose shutter is open at the times."""
+    from isophote.scene.studio import studio
+
+    scene = studio(subject, aspect=aspect)
+    return scene if scene.camera is None else scene.with_(camera=scene.camera.with_(shutter=times))
 
 
 def _report(output: Path, image: Image, seconds: float, as_json: bool) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -14,18 +15,21 @@ from isophote.rendering.method import Size, first_hit_channels
 from isophote.rendering.pixel_filter import PixelFilter, filter_table
 from isophote.rendering.pool import Pool
 
-__all__ = ["mean_features"]
+__all__ = ["PLACES", "mean_features"]
 
 Array: TypeAlias = npt.NDArray[Any]
 
-_PLACES = 16
-# Steps of a lattice in four dimensions that has each of 16 even places along each of them.
-_STEPS = (1, 7, 5, 11)
+PLACES = 16
+"""Places in a pixel and on the lens, and times, that features are means over."""
+
+# Steps of a lattice that has each of 16 even places along each of its dimensions: film, lens and time.
+_STEPS, _TIME_STEP = (1, 7, 5, 11), 3
 _DARK = 0.01
 
 
-def mean_features(scene: Packed, size: Size, chosen: PixelFilter, threads: int | None) -> dict[str, Array]:
-    """Means over 16 places of each pixel and of the lens: "albedo", "normal" (h, w, 3) and "nearness" (h, w).
+def mean_features(scenes: Sequence[Packed], size: Size, chosen: PixelFilter, threads: int | None) -> dict[str, Array]:
+    """Means over 16 places of each pixel and of the lens: "albedo", "normal" (h, w, 3) and "nearness" (h, w). `scenes`
+    are one, or what moves at `PLACES` even times.
 
     What reflects nothing has the albedo 1. "albedo variance" and so on are the variances of these means.
     """
@@ -33,12 +37,12 @@ def mean_features(scene: Packed, size: Size, chosen: PixelFilter, threads: int |
     offsets = filter_table(chosen).offsets
     steps = np.linspace(0, 1, len(offsets))
     sums: dict[str, Array] = {}
-    for k in range(_PLACES):
-        u = [(k * step % _PLACES + 0.5) / _PLACES for step in _STEPS]
+    for k in range(PLACES):
+        u = [(k * step % PLACES + 0.5) / PLACES for step in _STEPS]
         x, y = (0.5 + float(np.interp(value, steps, offsets)) for value in u[:2])
         radius, angle = math.sqrt(u[2]), 2 * math.pi * u[3]
         lens = radius * math.cos(angle), radius * math.sin(angle)
-        for name, values in _features(scene, size, (x, y, *lens), pool).items():
+        for name, values in _features(scenes[_TIME_STEP * k % len(scenes)], size, (x, y, *lens), pool).items():
             total, squares = sums.setdefault(name, np.zeros((2, *values.shape)))
             total += values
             squares += values.astype(np.float64) ** 2
@@ -46,9 +50,9 @@ def mean_features(scene: Packed, size: Size, chosen: PixelFilter, threads: int |
         raise KeyboardInterrupt
     found: dict[str, Array] = {}
     for name, (total, squares) in sums.items():
-        mean = total / _PLACES
+        mean = total / PLACES
         found[name] = mean.astype(np.float32)
-        found[f"{name} variance"] = (np.maximum(squares / _PLACES - mean**2, 0) / (_PLACES - 1)).astype(np.float32)
+        found[f"{name} variance"] = (np.maximum(squares / PLACES - mean**2, 0) / (PLACES - 1)).astype(np.float32)
     return found
 
 

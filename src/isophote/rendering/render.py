@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from isophote import __version__
 from isophote.errors import RenderError
-from isophote.lower.scene import lower_scene
+from isophote.lower.moments import lower_moments
 from isophote.progress import ProgressLike, reporter
 from isophote.rendering.denoise import checked_denoiser, denoised_colour
-from isophote.rendering.features import mean_features
+from isophote.rendering.features import PLACES, mean_features
 from isophote.rendering.field_plot import FieldPlot
 from isophote.rendering.image import Image
 from isophote.rendering.method import Job, Method, Size, checked_seed, checked_size
@@ -34,7 +34,8 @@ def render(
 
     A field in the plane is drawn with isolines, as a `FieldPlot` says; `seed`, `threads`, `denoise` do not matter then.
     A bare shape gets a camera that frames it, light and a ground; a scene without camera or light gets that.
-    `size` is (width, height) in pixels. The same `seed` gives the same picture for any number of `threads` (all
+    What moves while the camera's shutter is open, is blurred in "colour"; all other channels are of the middle of that
+    time. `size` is (width, height) in pixels. The same `seed` gives the same picture for any number of `threads` (all
     processors if None). `progress`: True shows bars, False none, None shows them on a terminal; a function is
     called with (stage, fraction). Interrupting (Ctrl-C) returns the picture so far.
 
@@ -65,7 +66,10 @@ def render(
 
 
 def _denoised(image: Image, scene: Scene, method: Method, denoiser: str, threads: int | None) -> Image:
-    tables = lower_scene(scene, image.size, threads, getattr(method, "accelerator", "bvh"))
+    opened, closed = scene.shutter
+    count = PLACES if scene.moves else 1
+    times = [opened + (k + 0.5) / count * (closed - opened) for k in range(count)]
+    tables = lower_moments(scene, image.size, times, threads, getattr(method, "accelerator", "bvh"))
     chosen = as_pixel_filter(getattr(method, "filter", "box"))
     features = mean_features(tables, image.size, chosen, threads)
     colour, by = denoised_colour(image.channels, features, denoiser=denoiser, threads=threads)

@@ -21,6 +21,7 @@ from isophote.lower.scene import lower_scene
 from isophote.rendering.image import Image
 from isophote.rendering.method import Array, Job, Size, extent_of
 from isophote.rendering.pool import Pool, Tile, tiles_of
+from isophote.rendering.stills import over_shutter
 from isophote.rendering.warm import warm_up
 from isophote.scene.light import AreaLight, DiskLight, Light, PointLight, RectLight, SphereLight, Sun
 from isophote.scene.spot_light import SpotLight
@@ -73,6 +74,8 @@ class SphereTrace:
     middle passes (area lights have their size; points and suns are seen under the half angle atan `softness`).
     `occlusion` is how far above the surface, in metres, the field is asked what dims the sky; 0 for no occlusion.
 
+    What moves while the shutter is open is the mean of 16 pictures of what stands still.
+
     All surfaces reflect like matte ones of their base colour. Meshes are drawn, and shadow hard. The channel "steps"
     counts the evaluations of the field along each pixel's ray.
     """
@@ -96,6 +99,9 @@ class SphereTrace:
     def render(self, job: Job) -> Image:
         """The sphere-traced picture."""
         warm_up(job.report, job.scene, "sphere")
+        return over_shutter(self._still, job)
+
+    def _still(self, job: Job) -> Image:
         began = time.monotonic()
         job.report("building the tree", 0.0)
         scene = lower_scene(job.scene, job.size, job.threads, marched=True)

@@ -24,6 +24,7 @@ from isophote.rendering.occlusion.screen import screen_occlusion
 from isophote.rendering.passes import PATTERNS, Limits, trace_passes
 from isophote.rendering.pixel_filter import as_pixel_filter, filter_table
 from isophote.rendering.pool import Pool, Tile
+from isophote.rendering.stills import over_shutter
 from isophote.rendering.warm import warm_up
 
 __all__ = ["AmbientOcclusion"]
@@ -71,6 +72,9 @@ class AmbientOcclusion:
     def render(self, job: Job) -> Image:
         """The picture of occlusion."""
         warm_up(job.report, job.scene, "occlusion")
+        return self._picture(job) if self.by == "rays" else over_shutter(self._picture, job, ("colour", "visibility"))
+
+    def _picture(self, job: Job) -> Image:
         began = time.monotonic()
         job.report("building the tree", 0.0)
         unlit = attrs.evolve(job, scene=job.scene.with_(lights=()))
@@ -115,7 +119,7 @@ class AmbientOcclusion:
         return {"visibility": visibility, "bent_normal": _normalised(bent.reshape(height, width, 3))}
 
     def _from_depth(self, job: Job, channels: dict[str, Array]) -> dict[str, Array]:
-        camera = job.scene.still().camera
+        camera = job.scene.camera
         if camera is None:
             raise RenderError("AmbientOcclusion: the scene has no camera")
         grey = np.ones((*job.size[::-1], 3), np.float32)

@@ -58,11 +58,12 @@ class Radiosity:
 
     def render(self, job: Job) -> Image:
         """The picture of the balance of light."""
-        if job.scene.camera is None:
+        scene = job.scene.still()
+        if scene.camera is None:
             raise RenderError("Radiosity: the scene has no camera")
         began = time.monotonic()
-        found = self.solve(job.scene, job.report, job.threads)
-        image = found.image(job.scene.camera, job.size, samples=self.samples)
+        found = self.solve(scene, job.report, job.threads)
+        image = found.image(scene.camera, job.size, samples=self.samples)
         metadata = {
             "method": repr(self),
             "patches": str(len(found.areas)),
