@@ -12,6 +12,7 @@ from isophote.rendering.pool import Pool
 I = iso.Transform.identity()
 SIZE = (48, 36)
 TIMES = [0.1, 0.35, 0.8]
+CHECKS = iso.Matte(iso.Checker("white", "black", 0.3))
 CAMERA = iso.Camera((0, 2, 9), (0, 0, 0), fov_degrees=32, shutter=(0, 1))
 
 
@@ -27,7 +28,7 @@ def _meshes():
     mesh = _mesh()
     other = _mesh()
     return [
-        iso.Item(mesh, transform=_motion(-2)),
+        iso.Item(mesh, CHECKS, _motion(-2)),
         iso.Item(mesh, transform=I.translate((0, -1, 0))),
         iso.Item(mesh, transform=_motion(1, -0.7).scale((-1, 1, 1))),
         iso.Item(other, iso.Matte("tomato"), I.translate((2.5, 0, 0))),
@@ -37,14 +38,14 @@ def _meshes():
 def _primitives():
     balls = [iso.Item(iso.sphere(0.3), transform=I.translate((x, -1, 0))) for x in (-2, -1, 0, 1, 2)]
     solids = [iso.box(0.8), iso.cylinder(0.3, 1), iso.torus(0.4, 0.1), iso.Disk(0.5)]
-    moving = [iso.Item(solid, transform=_motion(x)) for x, solid in zip((-3, -1, 1, 3), solids, strict=True)]
+    moving = [iso.Item(solid, CHECKS, _motion(x)) for x, solid in zip((-3, -1, 1, 3), solids, strict=True)]
     return [*balls, *moving, iso.Item(iso.plane(), transform=iso.Motion({0: I.translate((0, -2, 0)), 1: I}))]
 
 
 def _fields():
     knob = (iso.sphere(0.5) | iso.box(0.7)) - iso.cylinder(0.2)
     return [
-        iso.Item(knob, transform=_motion(-2)),
+        iso.Item(knob, CHECKS, _motion(-2)),
         iso.Item(knob, transform=I.translate((0, -1, 0))),
         iso.Item(iso.torus(0.5, 0.2).twist(0.4), transform=_motion(1.5, 0.5)),
         iso.Item(iso.plane() | iso.sphere(0.5), transform=iso.Motion({0: I.translate((0, -2, 0)), 1: I})),
@@ -73,6 +74,7 @@ def test_moments_show_what_the_scene_shows_as_it_stands_then(items, accelerator)
         assert near[same].mean() > 0.995
         turned = (found["normal"] * expected["normal"]).sum(axis=2)
         assert (turned[same & near & (expected["item"] >= 0)] > 0.99).mean() > 0.99
+        assert (found["albedo"] == expected["albedo"]).all(axis=2)[same & near].mean() > 0.99
     depths = [_seen(tables)["depth"] for tables in lowered]
     assert (depths[0] != depths[1]).any()
 
