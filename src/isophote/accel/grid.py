@@ -7,7 +7,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from isophote.accel.accelerator import Accelerator, Built, blocks_of
+from isophote.accel.accelerator import Accelerator, Built, blocks_of, padded_slots
 from isophote.accel.crew import Run, crew, ranges
 from isophote.kernels.accel.grid_build import (
     NARROWEST,
@@ -19,7 +19,6 @@ from isophote.kernels.accel.grid_build import (
 )
 from isophote.kernels.accel.grid_entry import any_in_grid, closest_in_grid
 from isophote.kernels.accel.grid_layout import GRID, MOST_LEVELS, NEAR_ORIGINS
-from isophote.kernels.accel.layout import LANES
 from isophote.kernels.base.table import Packed
 
 __all__ = ["GRID_OF_GRIDS"]
@@ -85,8 +84,8 @@ def _build(positions: FloatArray, triangles: IntArray, threads: int | None) -> B
 def _nothing() -> Packed:
     """A grid of one empty cell."""
     frames = _frames(np.zeros((1, 3)), np.ones((1, 3)), np.ones((1, 3), np.int64), np.ones(1))
-    cells, lists, slots = np.zeros(1, np.int32), np.zeros(2, np.int32), np.zeros(0, np.int32)
-    return GRID.pack(frames=frames, shapes=np.array([[1, 1, 1, 0]]), cells=cells, lists=lists, slots=slots)
+    cells, lists = np.zeros(1, np.int32), np.zeros((1, 2), np.int32)
+    return GRID.pack(frames=frames, shapes=np.array([[1, 1, 1, 0]]), cells=cells, lists=lists)
 
 
 def _frames(lower: Doubles, extents: Doubles, shapes: Longs, reaches: Doubles) -> Doubles:
@@ -186,7 +185,7 @@ def _next_level(level: _Level, filled: _Filled, chosen: _Chosen) -> _Level:
 
 
 def _table(levels: list[_Level], filled: list[_Filled], chosen: list[_Chosen]) -> tuple[Packed, IntArray]:
-    """The table of all levels, and the triangles in the order in which they stand in blocks."""
+    """The table of all levels, and the triangles in the slots of the lists' blocks. List 0 is none."""
     codes, shapes, kept, counts = [], [], [], [np.zeros(1, np.int64)]
     grids, cells, lists = 1, 0, 0
     for level, content, choice in zip(levels, filled, chosen, strict=True):
@@ -201,27 +200,15 @@ def _table(levels: list[_Level], filled: list[_Filled], chosen: list[_Chosen]) -
         kept.append(content.references[np.repeat(listed, own)])
         counts.append(own[listed])
         grids, cells, lists = grids + int(inner.sum()), cells + len(own), lists + int(listed.sum())
-    order, slots = _in_order(np.concatenate(kept), len(levels[0].references))
+    sizes = np.concatenate(counts).astype(np.int32)
+    starts, slots = padded_slots(sizes, np.concatenate(kept))
     tables = GRID.pack(
         frames=np.concatenate([level.frames for level in levels]),
         shapes=np.ascontiguousarray(np.concatenate(shapes)),
         cells=np.concatenate(codes),
-        # List 0 is none.
-        lists=np.append(0, np.cumsum(np.concatenate(counts))).astype(np.int32),
-        slots=slots,
+        lists=np.stack([starts, sizes], axis=1),
     )
-    return tables, order
-
-
-def _in_order(references: IntArray, count: int) -> tuple[IntArray, IntArray]:
-    """Triangles in the order in which lists name them first, so that those of neighbouring cells lie together, with −1
-    to the end of the last block; and the references as places in that order."""
-    first = np.full(count, len(references), np.int64)
-    np.minimum.at(first, references, np.arange(len(references)))
-    order = np.argsort(first, kind="stable").astype(np.int32)
-    place = np.empty(count, np.int32)
-    place[order] = np.arange(count, dtype=np.int32)
-    return np.append(order, np.full(-count % LANES, -1, np.int32)), place[references]
+    return tables, slots
 
 
 GRID_OF_GRIDS = Accelerator("grid", _build, closest_in_grid, any_in_grid)

@@ -6,7 +6,7 @@ An accelerator is two entries (kernels/base/entry.py) over tables of its own and
     any(tables, blocks, ray)        1 where there is any such triangle, else 0
 
 All three are addresses: of the words of the accelerator's tables, of its object's first block, and of the ray's words
-below, which are the ray's alone: threads never share them. The words from `STACK` on are free for stacks, mailboxes
+below, which are the ray's alone: threads never share them. The words from `STACK` on are free for stacks
 and the like, and hold anything when a call begins. `closest` leaves t and the weights of corners 1 and 2 in LIMIT,
 WEIGHT1 and WEIGHT2 where it meets something. Both add to the counts.
 

@@ -13,7 +13,7 @@ __all__ = ["NARROWEST", "choose_root", "choose_subgrids", "place_triangles", "sl
 
 # What a ray pays: a step to the next cell 1, a triangle in a cell's list, and entering a grid within a grid. By
 # measurement; docs/design/accelerators.md has the numbers.
-LIST_COST, ENTER_COST = 1.0, 12.0
+LIST_COST, ENTER_COST = 0.16, 12.0
 # Cells, and references to triangles, for each triangle at most.
 _MOST_CELLS, _MOST_REFERENCES = 16.0, 4.0
 _MOST_ON_AXIS = 1 << 12

@@ -1,8 +1,8 @@
 """Rays through a grid of grids, in grid_layout.py's memory: from cell to cell, and into the grids that cells are.
 
-A triangle stands in the list of every cell that it overlaps, so a ray keeps the slots of those that it was tested
-against last ("mailbox", Amanatides and Woo). The others are gathered to a block in the ray's words, to be tested four
-at a time.
+A triangle stands in the blocks of every cell that it overlaps, and a ray that comes by several of them is tested
+against it in each. To remember what it was tested against ("mailbox", Amanatides and Woo) costs more than the tests,
+of which four are made at once.
 """
 
 from __future__ import annotations
@@ -25,45 +25,22 @@ from isophote.kernels.accel.contract import (
 from isophote.kernels.accel.grid_far import FarWalk, begin_far, is_far, next_far, resume_far
 from isophote.kernels.accel.grid_layout import GRID, MOST_LEVELS
 from isophote.kernels.accel.grid_walk import Walk, Way, course_of, enter, place_in, step, walk_from
-from isophote.kernels.accel.layout import BLOCK, LANES, NUMBER
-from isophote.kernels.base.entry import element_address, entry, floats_at, opener_at
+from isophote.kernels.base.entry import entry, floats_at, opener_at
 from isophote.kernels.base.jit import device
-from isophote.kernels.base.simd import load_float, load_int, splat4, store4, store_float, store_int
+from isophote.kernels.base.simd import load_float, load_int, store_float, store_int
 from isophote.kernels.forms.triangle import shear
 
 __all__ = ["any_in_grid", "closest_in_grid"]
 
 open_grid = opener_at(GRID)
 
-# Scratch: the cells that the ray is in of the grids around, four words each; the walk of a far ray; then the mailbox.
+# Scratch: the cells that the ray is in of the grids around, four words each; then the walk of a far ray.
 _PARENT = np.int64(4)
 _FAR = np.int64(STACK + 4 * (MOST_LEVELS + 1))
 _FAR_WIDE = _FAR + np.int64(9)
 _ROUND_UP = 1.0 + 2.0**-22
-_MAILBOX = np.int64(STACK + 4 * (MOST_LEVELS + 1) + 12)
-_GATHERED = _MAILBOX + np.int64(64)
-_MISSING = np.float32(np.nan)
-_BOXES = np.int64(64)
-_ROOT, _NOTHING, _ONE = np.int64(0), np.int32(-1), np.int64(1)
+_ROOT, _ONE = np.int64(0), np.int64(1)
 _MOST_BLOCK_WORDS = np.int64(1) << np.int64(40)
-
-
-@device
-def _forget(words):
-    """Empty the mailbox and the gathered block."""
-    for k in range(_BOXES):
-        store_int(words, _MAILBOX + k, _NOTHING)
-    for k in range(9):
-        store4(words, _GATHERED + k * LANES, splat4(_MISSING))
-
-
-@device
-def _known(slot, words):
-    """Whether the ray was tested against the triangle of a slot lately; it is from now on."""
-    box = _MAILBOX + (slot & (_BOXES - 1))
-    known = np.int64(load_int(words, box)) == slot
-    store_int(words, box, np.int32(slot))
-    return known
 
 
 class _State(NamedTuple):
@@ -168,46 +145,11 @@ class _Test(NamedTuple):
 
 
 @device
-def _gather(triangles, slot, words, lane):
-    """Copy a triangle to a lane of the block in the ray's words."""
-    at = slot // LANES * BLOCK + slot % LANES
-    for k in range(9):
-        store_int(words, _GATHERED + lane + k * LANES, load_int(triangles, at + k * LANES))
-    store_int(words, _GATHERED + NUMBER + lane, np.int32(slot))
-
-
-@device
-def _test_gathered(words, sheared, nearest, count):
-    """`nearest`, or what is nearer among the first `count` triangles of the block in the ray's words.
-
-    Other lanes hold triangles that the ray was tested against before, which are not nearer, or none.
-    """
-    gathered = closest_in_blocks(
-        floats_at(element_address(words, _GATHERED), np.int64(BLOCK)), _ROOT, count, sheared, nearest, words
-    )
-    if gathered.t < nearest.t:
-        slot = np.int64(load_int(words, _GATHERED + NUMBER + gathered.slot))
-        return Nearest(gathered.t, gathered.weight1, gathered.weight2, slot)
-    return nearest
-
-
-@device
 def _test_list(grid, code, triangles, sheared, words, test):
-    """Test the ray against those triangles of a list that it has not been tested against, four at a time."""
-    nearest, tested, lane = test.nearest, test.tested, np.int64(0)
-    for k in range(grid.lists[code], grid.lists[code + 1]):
-        slot = np.int64(grid.slots[k])
-        if _known(slot, words):
-            continue
-        tested += 1
-        _gather(triangles, slot, words, lane)
-        lane += 1
-        if lane == LANES:
-            nearest = _test_gathered(words, sheared, nearest, lane)
-            lane = np.int64(0)
-    if lane > 0:
-        nearest = _test_gathered(words, sheared, nearest, lane)
-    return _Test(nearest, tested)
+    """Test the ray against the triangles of a list, four at a time."""
+    first, count = np.int64(grid.lists[code, 0]), np.int64(grid.lists[code, 1])
+    nearest = closest_in_blocks(triangles, first, count, sheared, test.nearest, words)
+    return _Test(nearest, test.tested + count)
 
 
 @device
@@ -240,7 +182,6 @@ def _trace(grid, triangles, words, any_will_do):
     cells, frames, shapes = grid.cells, grid.frames, grid.shapes
     test = _Test(nearest_of(words), np.int64(0))
     visited, deepest = np.int64(0), np.int64(0)
-    _forget(words)
     state = _enter(frames, shapes, _ROOT, np.int64(0), course, np.float64(test.nearest.t), words)
     walk, way, cell = state.walk, state.way, state.cell
     visited += cell >= 0

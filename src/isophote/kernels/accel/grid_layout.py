@@ -6,7 +6,7 @@ lie, both along an axis. `shapes` (grids, 4) int64: cells on x, y, z, and the nu
 then y, then z. A cell is one int32:
 
     0         nothing
-    c > 0     list c: `slots` lists[c] ≤ s < lists[c + 1] of its triangles in the blocks, where each stands once
+    c > 0     list c: lists[c, 0] is the first block of its triangles, and lists[c, 1] how many these are
     c < 0     grid −c
 
 The test of a triangle is as good as exact about a triangle whose corners have moved by ROUNDING times their distance
@@ -17,11 +17,11 @@ A frame is two slacks wider to every side than what it is to hold, where the sla
 
 from __future__ import annotations
 
-from isophote.kernels.base.table import DOUBLE_BOXES, INTS, LONG_ROWS, Table
+from isophote.kernels.base.table import DOUBLE_BOXES, INT_ROWS, INTS, LONG_ROWS, Table
 
 __all__ = ["FRAME", "GRID", "MOST_LEVELS", "NEAR_ORIGINS", "ROUNDING"]
 
-GRID = Table("GridOfGrids", frames=DOUBLE_BOXES, shapes=LONG_ROWS, cells=INTS, lists=INTS, slots=INTS)
+GRID = Table("GridOfGrids", frames=DOUBLE_BOXES, shapes=LONG_ROWS, cells=INTS, lists=INT_ROWS)
 
 # Columns of a frame.
 FRAME = 9
