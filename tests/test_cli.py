@@ -9,6 +9,7 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
+import attrs
 import numpy as np
 import pytest
 import typer
@@ -81,6 +82,49 @@ def test_options_reach_the_method_and_the_picture(tmp_path: Path, scene: Path) -
 def test_names_of_options_are_those_of_the_settings() -> None:
     assert tuple(pixel_filter.FILTERS) == options.FILTERS
     assert tuple(passes.PATTERNS) == options.PATTERNS
+    assert {iso.Radiosity(method=name).method for name in options.SOLVERS} == set(options.SOLVERS)
+    assert {iso.Radiosity(form_factors=name).form_factors for name in options.FORM_FACTORS} == set(options.FORM_FACTORS)
+    assert {iso.AmbientOcclusion(by=name).by for name in options.WAYS} == set(options.WAYS)
+
+
+@pytest.mark.parametrize("method", ["radiosity", "occlusion"])
+def test_every_setting_of_radiosity_and_occlusion_is_an_option(tmp_path: Path, scene: Path, method: str) -> None:
+    given = {
+        "radiosity": {
+            "patch": 0.5,
+            "error": 0.05,
+            "residual": 0.01,
+            "samples": 4,
+            "max-links": 50_000,
+            "solver": "shooting",
+            "form-factors": "hemicube",
+            "directions": 192,
+        },
+        "occlusion": {"samples": 3, "max-distance": 0.5, "by": "classic"},
+    }[method]
+    kind = type(new_method(method, {}))
+    assert {{"solver": "method"}.get(name, name.replace("-", "_")) for name in given} == {
+        field.name for field in attrs.fields(kind)
+    }
+    options = [text for name, value in given.items() for text in (f"--{name}", value)]
+    out = tmp_path / "out.png"
+    found = facts("render", scene, "-o", out, "--size", "9x5", "--method", method, *options)
+    settings = {name.replace("-", "_"): value for name, value in given.items()}
+    assert found["method"] == repr(new_method(method, settings))
+    assert iso.load_image(out).size == (9, 5)
+    page = succeeds("render", "--help")
+    for name in given:
+        assert f"--{name} " in page
+
+
+def test_settings_of_other_methods_are_misuse(scene: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out.png"
+    assert "the method path has no --solver" in misused("render", scene, "-o", out, "--solver", "shooting")
+    assert "the method path has no --patch" in misused("render", scene, "-o", out, "--patch", "1")
+    wrong = ("render", scene, "-o", out, "--method", "radiosity")
+    assert "is not one of hierarchical" in misused(*wrong, "--solver", "magic")
+    assert "patch must be a number above 0, or None, not -1.0" in refuses(*wrong, "--patch", -1)
+    assert not out.exists()
 
 
 def test_the_same_seed_gives_the_same_picture_for_any_threads(tmp_path: Path, scene: Path) -> None:

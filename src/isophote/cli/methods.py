@@ -24,6 +24,9 @@ METHODS = {
     "visits": ("visits", "Visits"),
 }
 
+# Options that are called otherwise than the settings that they are: --method is the rendering method itself.
+_FIELDS = {"solver": "method"}
+
 
 def new_method(name: str, settings: Mapping[str, object]) -> Method:
     """The method of a name with its settings; those that are None are left to the method.
@@ -35,7 +38,7 @@ def new_method(name: str, settings: Mapping[str, object]) -> Method:
     given = {key: value for key, value in settings.items() if value is not None}
     known = {field.name for field in attrs.fields(kind)}
     for key in given:
-        if key not in known:
+        if _FIELDS.get(key, key) not in known:
             raise typer.BadParameter(f"the method {name} has no --{key.replace('_', '-')}")
-    method: Method = kind(**given)
+    method: Method = kind(**{_FIELDS.get(key, key): value for key, value in given.items()})
     return method

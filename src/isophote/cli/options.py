@@ -8,11 +8,15 @@ from collections.abc import Callable, Iterable
 
 import typer
 
-__all__ = ["FILTERS", "PATTERNS", "one_of", "picture_size", "shutter_of"]
+__all__ = ["FILTERS", "FORM_FACTORS", "PATTERNS", "SOLVERS", "WAYS", "one_of", "picture_size", "shutter_of"]
 
-# Names of reconstruction filters and of sample patterns; what knows them for good loads slowly.
+# Names of reconstruction filters and of sample patterns; what knows these and the following for good loads slowly.
 FILTERS = ("box", "tent", "gaussian", "mitchell", "blackman-harris", "lanczos")
 PATTERNS = ("blue-noise", "sobol", "jittered", "regular", "independent")
+# Of radiosity, how light is exchanged and what patches see of each other; of ambient occlusion, how it is found.
+SOLVERS = ("hierarchical", "gathering", "shooting")
+FORM_FACTORS = ("rays", "hemicube", "hemisphere")
+WAYS = ("rays", "horizon", "classic")
 
 _SIZE = re.compile(r"(\d{1,9})[x×X](\d{1,9})")
 

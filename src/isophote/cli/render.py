@@ -10,7 +10,7 @@ import typer
 
 from isophote.cli.messages import log, print_json
 from isophote.cli.methods import METHODS, new_method
-from isophote.cli.options import FILTERS, PATTERNS, one_of, picture_size, shutter_of
+from isophote.cli.options import FILTERS, FORM_FACTORS, PATTERNS, SOLVERS, WAYS, one_of, picture_size, shutter_of
 
 if TYPE_CHECKING:
     from isophote.cli.subject import Subject
@@ -27,6 +27,9 @@ Examples:
   isophote render room.py -o room.png --seconds 30 --max-depth 16 --seed 7
   isophote render wheel.py -o wheel.png --shutter 0,0.02
   isophote render glasses.py -o glasses.png --method ray --depth 10 --light-samples 16
+  isophote render room.py -o room.png --method radiosity --patch 0.05 --error 0.005
+  isophote render room.py -o room.png --method radiosity --solver shooting --form-factors hemicube --patch 0.2
+  isophote render bunny.obj -o occlusion.png --method occlusion --max-distance 0.5
 
 \b
 A Python file defines the picture's `scene`, or a `shape`:
@@ -52,7 +55,8 @@ def render(
         str, typer.Option(metavar="|".join(METHODS), callback=one_of(METHODS), help="How to render.")
     ] = "path",
     samples: Annotated[
-        int | None, typer.Option(metavar="N", help="Paths, or trees of rays, a pixel.  [default: 64, of rays 16]")
+        int | None,
+        typer.Option(metavar="N", help="Paths, or trees of rays, a pixel.  [default: 64; ray and radiosity: 16]"),
     ] = None,
     seconds: Annotated[float | None, typer.Option(metavar="S", help="Stop after this time.")] = None,
     noise: Annotated[
@@ -92,6 +96,74 @@ def render(
         str | None,
         typer.Option(metavar="NAME", help="What finds what rays meet: bvh, grid, kdtree, bih, bsp.  [default: bvh]"),
     ] = None,
+    by: Annotated[
+        str | None,
+        typer.Option(
+            metavar="|".join(WAYS),
+            callback=one_of(WAYS),
+            help="--method occlusion: by random rays, or from the picture's depth by horizons or the classic way.  "
+            "[default: rays]",
+        ),
+    ] = None,
+    max_distance: Annotated[
+        float | None,
+        typer.Option(
+            metavar="X",
+            help="--method occlusion: how far away things still shut the sky out, in metres; sphere: how far rays are "
+            "followed.  [default: without end; from depth, an eighth of the scene]",
+        ),
+    ] = None,
+    patch: Annotated[
+        float | None,
+        typer.Option(
+            metavar="X",
+            help="--method radiosity: finest edge of a patch, in metres.  [default: a hundredth of the scene]",
+        ),
+    ] = None,
+    error: Annotated[
+        float | None,
+        typer.Option(
+            metavar="X",
+            help="--method radiosity: patches and links are refined until each is off by less than X, in parts of the "
+            "mean light.  [default: 0.01]",
+        ),
+    ] = None,
+    residual: Annotated[
+        float | None,
+        typer.Option(
+            metavar="X",
+            help="--method radiosity: light bounces until no patch changes by more than X, in parts of the brightest, "
+            "or until shooting has only X of it left.  [default: 0.0001]",
+        ),
+    ] = None,
+    solver: Annotated[
+        str | None,
+        typer.Option(
+            metavar="|".join(SOLVERS),
+            callback=one_of(SOLVERS),
+            help="--method radiosity: links between clusters and patches; or between all pairs of even patches, bounce "
+            "by bounce, or the brightest patch first.  [default: hierarchical]",
+        ),
+    ] = None,
+    form_factors: Annotated[
+        str | None,
+        typer.Option(
+            metavar="|".join(FORM_FACTORS),
+            callback=one_of(FORM_FACTORS),
+            help="--solver gathering or shooting: what patches see of each other, by rays between each two, or by "
+            "--directions from each through the pixels of a half cube or a hemisphere.  [default: rays]",
+        ),
+    ] = None,
+    directions: Annotated[
+        int | None,
+        typer.Option(metavar="N", help="--form-factors hemicube or hemisphere: rays from each patch.  [default: 4096]"),
+    ] = None,
+    max_links: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N", help="--method radiosity: links at most, or form factors; bounds memory.  [default: 50000000]"
+        ),
+    ] = None,
     shutter: Annotated[
         str | None,
         typer.Option(metavar="T,T", help="When the camera's shutter opens and closes, in seconds, instead of its own."),
@@ -123,6 +195,15 @@ def render(
         "filter": filter_name,
         "pattern": pattern,
         "accelerator": accelerator,
+        "by": by,
+        "max_distance": max_distance,
+        "patch": patch,
+        "error": error,
+        "residual": residual,
+        "solver": solver,
+        "form_factors": form_factors,
+        "directions": directions,
+        "max_links": max_links,
     }
     from isophote.cli.progress import progress
     from isophote.cli.subject import load_subject
