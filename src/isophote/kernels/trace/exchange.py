@@ -14,125 +14,66 @@ import math
 
 import numpy as np
 
-from isophote.kernels.base.double3 import Double3, difference, dot3, norm, row3, scaled, total
+from isophote.kernels.base.double3 import difference, dot3, norm, row3
 from isophote.kernels.base.jit import device, kernel
 from isophote.kernels.base.random import combine, mix, unit_float
 from isophote.kernels.base.table import BYTES, DOUBLE_BOXES, FLOAT, INTS, Table
 from isophote.kernels.base.vec import vec3
-from isophote.kernels.light.form_factor import corner3, on_patch, point_to_polygon
+from isophote.kernels.light.form_factor import on_patch
 from isophote.kernels.trace import wave as rows
 from isophote.kernels.trace.batch import find_blocked
 from isophote.kernels.trace.holes import share_left
+from isophote.kernels.trace.patch_factors import heights_over, mean_factor
+from isophote.kernels.trace.shaft import SHAFT, sees_all
 from isophote.kernels.trace.tables import SCENE
 from isophote.kernels.trace.wave import set_row_vec3
 
-__all__ = ["PATCHES", "exchanges", "face_of", "factor_at", "mean_factor", "open_patches"]
+__all__ = ["PATCHES", "exchanges", "open_patches"]
 
-# Nodes: `corners` (n, 12), `sides` (n,) 3 or 4, 0 for clusters; `normals`, `centres` (n, 3); `sizes` (n, 3): area,
-# radius around the centre, and the share of it that lies within no solid. `covered` (n,): a bit for each cell of a grid
+# Nodes: `corners` (n, 12), `sides` (n,) 3 or 4, 0 for clusters; `normals`, `centres` (n, 3); `axes` (n, 6): two half
+# edges, of a cluster those of a rectangle about the centre; `flat` (n,): 0 for clusters that lie in no plane;
+# `first_child`, −1 where there is none, and `children` (n,); `sizes` (n, 3): area, radius around the centre, and the
+# share of it that lies within no solid. `covered` (n,): a bit for each cell of a grid
 # of 4 × 4 that does. `first_face`, `last_face` (n,): the faces of a cluster as numbers into `faces`, which are
-# nodes; `shares` (faces, 1): cumulative areas of the faces. `bias`: how far rays start above patches.
+# nodes; `shares` (faces, 1): cumulative areas of the faces. `boxes` (2 n, 3): least and most coordinates of clusters.
+# `roots`: nodes without a parent. `bias`: how far rays start above patches.
 PATCHES = Table(
     "Patches",
     corners=DOUBLE_BOXES,
     sides=BYTES,
     normals=DOUBLE_BOXES,
     centres=DOUBLE_BOXES,
+    axes=DOUBLE_BOXES,
+    flat=BYTES,
+    first_child=INTS,
+    children=INTS,
     sizes=DOUBLE_BOXES,
     covered=INTS,
     first_face=INTS,
     last_face=INTS,
     faces=INTS,
     shares=DOUBLE_BOXES,
+    boxes=DOUBLE_BOXES,
+    roots=INTS,
     bias=FLOAT,
 )
 
 _U = np.uint32
 _RAYS, _GRID = 16, 4
 _ONE = np.float32(1)
-# Distances between centres, in sums of radii, from which on one place or 2 × 2 places of the smaller patch are enough.
-_FAR, _NEAR = 8.0, 2.5
 _INV_PI = 1 / math.pi
-# The lower places of Gauss and Legendre's rules with 2 and 4 places on 0 … 1, and the outer weight of the latter.
-_GAUSS_2 = 0.5 - math.sqrt(3) / 6
-_GAUSS_4 = (
-    0.5 - math.sqrt(3 / 7 + 2 / 7 * math.sqrt(6 / 5)) / 2,
-    0.5 - math.sqrt(3 / 7 - 2 / 7 * math.sqrt(6 / 5)) / 2,
-)
-_WEIGHT_4 = (18 - math.sqrt(30)) / 72
-
-open_scene, open_patches, open_wave = SCENE.open, PATCHES.open, rows.WAVE.open
+open_scene, open_patches, open_wave, open_shaft = SCENE.open, PATCHES.open, rows.WAVE.open, SHAFT.open
 
 
 @device
 def _in_front(patches, p, q):
-    """Whether any of patch q is in front of patch p's plane."""
-    centre, normal = row3(patches.centres, p), row3(patches.normals, p)
-    reach = patches.sizes[q, 1]
-    height = dot3(difference(row3(patches.centres, q), centre), normal)
-    if height >= reach:
-        return True
-    if height <= -reach:
-        return False
-    lowest = 1e-9 * (reach + patches.sizes[p, 1])
-    for c in range(patches.sides[q]):
-        corner = Double3(patches.corners[q, 3 * c], patches.corners[q, 3 * c + 1], patches.corners[q, 3 * c + 2])
-        if dot3(difference(corner, centre), normal) > lowest:
-            return True
-    return False
+    """Whether any of node q is in front of node p's plane."""
+    _, highest = heights_over(patches, p, q)
+    return highest > 1e-9 * (patches.sizes[q, 1] + patches.sizes[p, 1])
 
 
 @device
-def factor_at(patches, point, normal, q):
-    """Form factor from a place to patch q; 0 behind it."""
-    if dot3(difference(point, row3(patches.centres, q)), row3(patches.normals, q)) <= 0.0:
-        return 0.0
-    return point_to_polygon(point, normal, patches.corners, patches.sides, q)
-
-
-@device
-def _gauss(grid, i):
-    """(place in 0 … 1, weight) number i of Gauss and Legendre's rule with 1, 2 or 4 places."""
-    if grid == 1:
-        return 0.5, 1.0
-    if grid == 2:
-        return (_GAUSS_2 if i == 0 else 1.0 - _GAUSS_2), 0.5
-    place = _GAUSS_4[0] if i == 0 or i == 3 else _GAUSS_4[1]
-    weight = _WEIGHT_4 if i == 0 or i == 3 else 0.5 - _WEIGHT_4
-    return (place if i < 2 else 1.0 - place), weight
-
-
-@device
-def _quadrature(patches, p, grid, i, j):
-    """(place on patch p, weight): Gauss's rule along both edges; on a triangle one of them shrinks to a corner."""
-    (a, weight_a), (b, weight_b) = _gauss(grid, i), _gauss(grid, j)
-    origin = corner3(patches.corners, p, 0)
-    along = difference(corner3(patches.corners, p, 1), origin)
-    across = difference(corner3(patches.corners, p, patches.sides[p] - 1), origin)
-    if patches.sides[p] == 3:
-        if grid == 1:
-            return total(origin, scaled(total(along, across), 1.0 / 3.0)), 1.0
-        weight_a *= 2.0 * (1.0 - a)
-        b *= 1.0 - a
-    return total(origin, total(scaled(along, a), scaled(across, b))), weight_a * weight_b
-
-
-@device
-def mean_factor(patches, p, q, distance):
-    """Mean form factor from patch p to patch q, their centres so far apart, as if nothing were in the way."""
-    reach = patches.sizes[p, 1] + patches.sizes[q, 1]
-    normal = row3(patches.normals, p)
-    grid = 1 if distance > _FAR * reach else (2 if distance > _NEAR * reach else _GRID)
-    sum_ = 0.0
-    for i in range(grid):
-        for j in range(grid):
-            place, weight = _quadrature(patches, p, grid, i, j)
-            sum_ += weight * factor_at(patches, place, normal, q)
-    return sum_
-
-
-@device
-def face_of(patches, node, u):
+def _face_of(patches, node, u):
     """A face of a cluster with a chance in proportion to its area, or the patch itself."""
     if patches.sides[node] != 0:
         return np.int64(node)
@@ -178,7 +119,7 @@ def _aim(patches, wave, p, q):
         j = (5 * i + turn) & (_RAYS - 1)
         u, v = (i % _GRID + np.float64(unit_float(a))) / _GRID, (i // _GRID + np.float64(unit_float(b))) / _GRID
         s, t = (j % _GRID + np.float64(unit_float(c))) / _GRID, (j // _GRID + np.float64(unit_float(d))) / _GRID
-        from_, to = face_of(patches, p, (i + 0.5) / _RAYS), face_of(patches, q, (j + 0.5) / _RAYS)
+        from_, to = _face_of(patches, p, (i + 0.5) / _RAYS), _face_of(patches, q, (j + 0.5) / _RAYS)
         start = on_patch(patches.corners, patches.sides, from_, u, v)
         end = on_patch(patches.corners, patches.sides, to, s, t)
         way = difference(end, start)
@@ -210,8 +151,8 @@ def _seen(scene, wave):
 
 
 @device
-def _between_patches(scene, patches, wave, p, q):
-    """(V, G, how far V may be off) of two patches; G is 0 where they do not face each other."""
+def _between_patches(scene, patches, wave, shaft, p, q):
+    """(V, G, how far V may be off) of two flat nodes; G is 0 where they do not face each other."""
     if not (_in_front(patches, p, q) and _in_front(patches, q, p)):
         return 0.0, 0.0, 0.0
     if patches.sizes[p, 0] > patches.sizes[q, 0]:
@@ -220,13 +161,18 @@ def _between_patches(scene, patches, wave, p, q):
     whole = _aim(patches, wave, p, q)
     if patches.sizes[p, 2] == 0.0 or patches.sizes[q, 2] == 0.0:
         return 0.0, 0.0, 0.0
-    exchange = patches.sizes[p, 0] * max(mean_factor(patches, p, q, distance), whole / _RAYS * patches.sizes[q, 0])
+    exchange = patches.sizes[p, 0] * patches.sizes[q, 0] * whole / _RAYS
+    if patches.sides[p] != 0:
+        exchange = max(exchange, patches.sizes[p, 0] * mean_factor(patches, p, q, distance))
     if whole <= 0.0:
         # They face each other, but none of the sixteen places do.
         return 1.0, exchange, 1.0
+    # Lamps that are no patches may block, too.
+    if scene.lights.lamps.rows == 0 and sees_all(patches, shaft, p, q):
+        return 1.0, exchange, 0.0
     visible = _seen(scene, wave) / whole
     # What sixteen rays cannot tell: half a ray, and more where some are blocked.
-    return visible, exchange, (0.5 / _RAYS + visible * (1.0 - visible) if visible < 1.0 else 0.0)
+    return visible, exchange, 0.5 / _RAYS + visible * (1.0 - visible)
 
 
 @device
@@ -245,12 +191,13 @@ def _between_clusters(scene, patches, wave, p, q):
 
 
 @kernel
-def exchanges(scene_words, patch_words, wave_words, pairs, found, first, last):
+def exchanges(scene_words, patch_words, wave_words, shaft_words, pairs, found, first, last):
     """(V, G, how far V may be off) of pairs first ≤ i < last, into the rows of `found` (n, 3)."""
-    scene, patches, wave = open_scene(scene_words), open_patches(patch_words), open_wave(wave_words)
+    scene, patches = open_scene(scene_words), open_patches(patch_words)
+    wave, shaft = open_wave(wave_words), open_shaft(shaft_words)
     for i in range(first, last):
         p, q = np.int64(pairs[i, 0]), np.int64(pairs[i, 1])
-        if patches.sides[p] != 0 and patches.sides[q] != 0:
-            found[i, 0], found[i, 1], found[i, 2] = _between_patches(scene, patches, wave, p, q)
+        if patches.flat[p] != 0 and patches.flat[q] != 0:
+            found[i, 0], found[i, 1], found[i, 2] = _between_patches(scene, patches, wave, shaft, p, q)
         else:
             found[i, 0], found[i, 1], found[i, 2] = _between_clusters(scene, patches, wave, p, q)

@@ -2,106 +2,41 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
-from isophote.kernels.measure.link_gather import gather_links
-from isophote.kernels.trace.leaf_factors import count_links, leaf_factors, place_irradiance
-from isophote.rendering.pool import Pool
+from isophote.rendering.radiosity.expansion import Expansion
 from isophote.rendering.radiosity.links import Links
 from isophote.rendering.radiosity.tree import PatchTree
 
-__all__ = ["Balance"]
+__all__ = ["Balance", "change_of"]
 
 Points: TypeAlias = npt.NDArray[np.float64]
 Numbers: TypeAlias = npt.NDArray[np.int64]
-
-_NODES_A_JOB, _LEAVES_A_JOB = 4096, 256
 
 
 class Balance:
     """Links of the leaves, theirs and those of all nodes above them, made once for many bounces."""
 
     def __init__(self, tree: PatchTree, links: Links, threads: int | None) -> None:
-        self._tree, self._threads = tree, threads
-        self._patches = tree.packed()
+        self._tree = tree
         lit = links.seen[:, 0] > 0
         a, b = links.pairs[lit].T
-        receiver, source = np.concatenate([a, b]), np.concatenate([b, a])
-        order = np.argsort(receiver, kind="stable")
-        self._sources = np.ascontiguousarray(source[order].astype(np.int32))
-        self._visible = np.tile(links.seen[lit, 0], 2)[order]
-        self._starts = np.concatenate([[0], np.cumsum(np.bincount(receiver, minlength=len(tree)))])
+        receivers, sources = np.concatenate([a, b]), np.concatenate([b, a])
+        self._expansion = Expansion(tree, receivers, sources, np.tile(links.seen[lit, 0], 2), threads)
         depths = np.argsort(tree.depth, kind="stable")
         self._levels = np.split(depths, np.cumsum(np.bincount(tree.depth))[:-1])
         self.leaves = tree.leaves
-        self._expand()
-
-    def _expand(self) -> None:
-        counts = np.zeros(len(self.leaves), np.int64)
-        count_links(self._tree.parent, self._starts, self.leaves, counts)
-        self._leaf_starts = np.concatenate([[0], np.cumsum(counts)])
-        total = int(self._leaf_starts[-1])
-        self._leaf_sources, self._factors = np.zeros(total, np.int32), np.zeros(total, np.float32)
-
-        def work(first: int, last: int) -> None:
-            leaf_factors(
-                self._patches.words,
-                self._tree.parent,
-                self._starts,
-                self._sources,
-                self._visible,
-                self.leaves,
-                self._leaf_starts,
-                self._leaf_sources,
-                self._factors,
-                first,
-                last,
-            )
-
-        self._run(work, len(self.leaves), _LEAVES_A_JOB)
-
-    def _run(self, work: Callable[[int, int], None], count: int, step: int) -> None:
-        pool = Pool(self._threads)
-        jobs = range(0, count, step)
-        pool.run(lambda first, thread: work(first, min(first + step, count)), jobs, lambda done: None)
-        if pool.interrupted:
-            raise KeyboardInterrupt
 
     def gathered(self, light: Points) -> Points:
         """(leaves, 3): irradiance of every leaf, from the radiosity `light` of all nodes."""
-        arriving = np.zeros((len(self.leaves), 3))
-
-        def work(first: int, last: int) -> None:
-            gather_links(self._leaf_starts, self._leaf_sources, self._factors, light, arriving, first, last)
-
-        self._run(work, len(arriving), _NODES_A_JOB)
-        return arriving
+        return self._expansion.gathered(light)
 
     def at_places(self, light: Points, nodes: Numbers, places: Points) -> Points:
-        """(n, 3): irradiance at places on patches."""
-        found = np.zeros((len(nodes), 3))
-
-        def work(first: int, last: int) -> None:
-            place_irradiance(
-                self._patches.words,
-                self._tree.parent,
-                self._starts,
-                self._sources,
-                self._visible,
-                light,
-                nodes,
-                places,
-                found,
-                first,
-                last,
-            )
-
-        self._run(work, len(nodes), _LEAVES_A_JOB)
-        return found
+        """(n, 3): irradiance at places on leaves."""
+        return self._expansion.at_places(light, nodes, places)
 
     def pulled(self, light: Points) -> Points:
         """`light` (n, 3) of the leaves, and means of it for all nodes above, by the areas that lie within no solid."""
@@ -133,7 +68,12 @@ class Balance:
 
     def form_factor_sums(self) -> Points:
         """(leaves,): Σ F over all that each leaf is linked to; 1 in closed rooms."""
-        if len(self._factors) == 0:
-            return np.zeros(len(self.leaves))
-        sums: Points = np.add.reduceat(np.append(self._factors, 0).astype(np.float64), self._leaf_starts[:-1])
-        return np.where(np.diff(self._leaf_starts) > 0, sums, 0.0)
+        sums: Points = self.gathered(np.ones((len(self._tree), 3)))[:, 0]
+        return sums
+
+
+def change_of(before: Points, after: Points, emission: Points) -> float:
+    """By how much a bounce changed the radiosity of any patch, in parts of the most that any reflects: a lamp may be a
+    thousand times as bright."""
+    largest = float((after - emission).max())
+    return float(np.abs(after - before).max()) / largest if largest > 0 else 0.0

@@ -15,7 +15,7 @@ from isophote.kernels.trace.wave import new_wave
 from isophote.lower.field_table import scratch_words
 from isophote.progress import Reporter
 from isophote.rendering.pool import Pool
-from isophote.rendering.radiosity.balance import Balance
+from isophote.rendering.radiosity.balance import Balance, change_of
 from isophote.rendering.radiosity.links import Limits, Links, level
 from isophote.rendering.radiosity.tree import PatchTree, quarter_centres
 
@@ -120,7 +120,7 @@ def settle(
     threads: int | None,
 ) -> Settled:
     """Link patches by `error`, in parts of the mean radiosity of the smallest patches, and let light bounce until no
-    patch changes by more than `residual` of the brightest one's radiosity.
+    patch changes by more than `residual` of the most that any reflects.
 
     Sources: Hanrahan, Salzman, Aupperle, "A Rapid Hierarchical Radiosity Algorithm", SIGGRAPH 1991; clusters: Smits,
     Arvo, Greenberg, "A Clustering Algorithm for Radiosity in Complex Environments", SIGGRAPH 1994.
@@ -197,8 +197,7 @@ def _bounce(
     leaves = balance.leaves
     while True:
         after = balance.bounced(light, direct)
-        largest = float(after[leaves].max())
-        change = float(np.abs(after[leaves] - light[leaves]).max()) / largest if largest > 0 else 0.0
+        change = change_of(light[leaves], after[leaves], tree.emission[leaves])
         bounces.append(after)
         residuals.append(change)
         light = after

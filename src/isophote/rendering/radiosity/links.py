@@ -12,6 +12,7 @@ import numpy.typing as npt
 from isophote.errors import RenderError
 from isophote.kernels.base.table import Packed
 from isophote.kernels.trace.exchange import exchanges
+from isophote.kernels.trace.shaft import new_shaft
 from isophote.kernels.trace.wave import new_wave
 from isophote.lower.field_table import scratch_words
 from isophote.rendering.pool import Pool
@@ -31,6 +32,7 @@ _BYTES_A_LINK = 64
 # How much more an uneven source counts than doubtful visibility: its errors add up over links, for light is brightest
 # where much of it is seen from.
 _MIXED = 5.0
+_LEAST_ALBEDO = 0.1
 
 
 @attrs.frozen
@@ -130,10 +132,12 @@ class Links:
         patches, pool = self._tree.packed(), Pool(self._threads)
         words = scratch_words(self._scene.arrays["fields"])
         waves = [new_wave(_WAVE, words) for _ in range(pool.threads)]
+        shafts = [new_shaft() for _ in range(pool.threads)]
 
         def work(first: int, thread: int) -> None:
             last = min(first + _PAIRS_A_JOB, len(pairs))
-            exchanges(self._scene.words, patches.words, waves[thread].words, pairs, found, first, last)
+            own_wave, own_shaft = waves[thread].words, shafts[thread].words
+            exchanges(self._scene.words, patches.words, own_wave, own_shaft, pairs, found, first, last)
 
         pool.run(work, range(0, len(pairs), _PAIRS_A_JOB), lambda done: None)
         if pool.interrupted:
@@ -144,7 +148,8 @@ class Links:
     def _too_coarse(self, pairs: Numbers, seen: Points, state: Points, limits: Limits) -> npt.NDArray[np.bool_]:
         """Which pairs carry more error than they may, and can be split."""
         tree = self._tree
-        (bright, uneven), dull = self._inherited(state).T, level(tree.albedo)
+        # What absorbs all light is measured, too.
+        (bright, uneven), dull = self._inherited(state).T, np.maximum(level(tree.albedo), _LEAST_ALBEDO)
         a, b = pairs.T
         visible, exchange, doubt = seen.T
         hidden = np.maximum(bright[b] * dull[a], bright[a] * dull[b]) * doubt

@@ -11,7 +11,8 @@ from scipy.spatial import cKDTree
 
 from isophote.kernels.base.table import Packed
 from isophote.kernels.trace.exchange import exchanges
-from isophote.kernels.trace.leaf_factors import leaf_factors
+from isophote.kernels.trace.local_factors import near_factors
+from isophote.kernels.trace.shaft import new_shaft
 from isophote.kernels.trace.wave import new_wave
 from isophote.lower.field_table import scratch_words
 from isophote.rendering.occlusion.directions import hemicube, hemisphere
@@ -42,8 +43,7 @@ class PairRows:
 
     def __init__(self, scene: Packed, tree: PatchTree, threads: int | None) -> None:
         self._scene, self._patches, self._threads = scene, tree.packed(), threads
-        self._leaves, self._nodes = tree.leaves, len(tree)
-        self._orphans = np.full(len(tree), -1, np.int64)
+        self._leaves = tree.leaves
         self.at_once = max(1, _PAIRS_AT_ONCE // len(self._leaves))
 
     def __call__(self, numbers: Numbers) -> Floats:
@@ -56,24 +56,21 @@ class PairRows:
         pool = Pool(self._threads)
         words = scratch_words(self._scene.arrays["fields"])
         waves = [new_wave(_WAVE, words) for _ in range(pool.threads)]
+        shafts = [new_shaft() for _ in range(pool.threads)]
 
         def see(first: int, thread: int) -> None:
             last = min(first + _PAIRS_A_JOB, len(pairs))
-            exchanges(self._scene.words, self._patches.words, waves[thread].words, pairs, seen, first, last)
+            own_wave, own_shaft = waves[thread].words, shafts[thread].words
+            exchanges(self._scene.words, self._patches.words, own_wave, own_shaft, pairs, seen, first, last)
 
         pool.run(see, range(0, len(pairs), _PAIRS_A_JOB), lambda done: None)
-        # Nodes that are not asked for have no links.
-        links = np.zeros(self._nodes + 1, np.int64)
-        links[own + 1] = count
-        starts, ends = np.cumsum(links), np.arange(len(own) + 1) * count
-        sources, factors = np.zeros(len(pairs), np.int32), np.zeros(len(pairs), np.float32)
-        visible = np.where(seen[:, 1] > 0, seen[:, 0], 0.0)
-        targets, parents, patches = b.astype(np.int32), self._orphans, self._patches.words
+        starts = np.arange(len(own) + 1) * count
+        factors = np.zeros(len(pairs), np.float32)
+        visible = np.where(seen[:, 1] > 0, seen[:, 0], 0.0).astype(np.float32)
+        targets, patches = b.astype(np.int32), self._patches.words
 
         def measure(first: int, thread: int) -> None:
-            leaf_factors(
-                patches, parents, starts, targets, visible, own, ends, sources, factors, first, min(first + 1, len(own))
-            )
+            near_factors(patches, own, starts, targets, visible, factors, first, min(first + 1, len(own)))
 
         pool.run(measure, range(len(own)), lambda done: None)
         if pool.interrupted:

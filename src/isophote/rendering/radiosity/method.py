@@ -36,12 +36,13 @@ class Radiosity:
     Surfaces are cut into patches where light changes fast, down to edges of `patch` metres (None: a hundredth of the
     scene's diagonal), and linked in a hierarchy, nearer pairs by finer patches; links and patches are cut until what
     each may be off is below `error`, in parts of the mean radiosity. Light bounces until no patch changes by more than
-    `residual` of the brightest. `samples` rays a pixel show the result. All materials but Emitter are taken for Matte.
+    `residual` of the most that any reflects. `samples` rays a pixel show the result. All materials but Emitter are
+    taken for Matte.
 
-    With the method "gathering" or "shooting" all faces are cut evenly and light goes between all pairs of patches, by
-    `form_factors`: "rays" between each two, or `directions` from each patch through the pixels of a "hemicube" or of
-    a "hemisphere"; shooting sends the most light first, until the part `residual` of it is left. There are at most
-    `max_links` form factors.
+    With the method "gathering" (whose residual is in parts of the brightest patch, lamps included) or "shooting" all
+    faces are cut evenly and light goes between all pairs of patches, by `form_factors`: "rays" between each two, or
+    `directions` from each patch through the pixels of a "hemicube" or of a "hemisphere"; shooting sends the most
+    light first, until the part `residual` of it is left. There are at most `max_links` form factors.
 
     Sources: Goral et al., "Modeling the Interaction of Light Between Diffuse Surfaces", SIGGRAPH 1984; Hanrahan,
     Salzman, Aupperle, "A Rapid Hierarchical Radiosity Algorithm", SIGGRAPH 1991.

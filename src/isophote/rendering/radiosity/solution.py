@@ -33,10 +33,11 @@ class RadiositySolution:
 
     `corners` (n, 4, 3), the last of a triangle NaN; `areas` (n,) in m²; `albedo`, and in W/m² `irradiance` H and
     `radiosity` B (n, 3); `item` (n,) the number of each patch's item or light. `residuals`: by how much each bounce
-    changed the radiosity of any patch, in parts of the largest; where light was shot, a step is half of what was left,
-    and the residual what part of all light still is. `form_factor_sums` (n,): Σ F of each patch, 1 where it sees
-    surfaces to all sides, NaN where it was not needed. `links`: between how many pairs light was exchanged. `mesh`
-    holds the radiance B / π as the linear attribute "colour" of its vertices, smooth within planes and smooth meshes.
+    changed the radiosity of any patch, in parts of the most that any reflects, or where it was gathered, of the most at
+    all; where light was shot, a step is half of what was left, and the residual what part of all light still is.
+    `form_factor_sums` (n,): Σ F of each patch, 1 where it sees surfaces to all sides, NaN where it was not needed.
+    `links`: between how many pairs light was exchanged. `mesh` holds the radiance B / π as the linear attribute
+    "colour" of its vertices, smooth within planes and smooth meshes.
     """
 
     corners: Points

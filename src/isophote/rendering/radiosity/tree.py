@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from isophote.kernels.base.table import Packed
 from isophote.kernels.trace.exchange import PATCHES
+from isophote.rendering.radiosity.clusters import Groups, grouped, measured
 from isophote.rendering.radiosity.coverage import Coverage
 from isophote.rendering.radiosity.faces import Faces, looked_up
 
@@ -29,16 +30,20 @@ _FEW = 24
 class PatchTree:
     """Nodes that grow as patches are cut: node k has the columns k of every array.
 
-    `corners` (n, 4, 3), `sides` (0 for clusters), `normals`, `centres` (n, 3), `areas`, `radii`, `parent`,
-    `first_child` (−1: none), `children`, `depth`, `face` (−1 for clusters) and `albedo`, `emission` (n, 3), means by
-    area for clusters. `roots` are the nodes without a parent.
+    `corners` (n, 4, 3), `sides` (0 for clusters), `normals`, `centres` (n, 3), `axes` (n, 6), two half edges, `flat`
+    (1 for all but clusters of faces that lie in no common plane), `areas`, `radii`, `parent`, `first_child` (−1: none),
+    `children`, `depth`, `face` (−1 for clusters) and `albedo`, `emission` (n, 3), means by area for clusters. `roots`
+    are the nodes without a parent.
     """
 
     def __init__(self, faces: Faces, coverage: Coverage) -> None:
         self.faces = faces
         self._coverage = coverage
-        order = _order(faces)
-        count = len(order)
+        count = len(faces.sides)
+        order, groups = _order(faces), None
+        if count > _FEW:
+            groups = grouped(_measured(faces.corners, faces.sides)[0], faces.normals)
+            order = groups.order
         self.corners = faces.corners[order]
         self.uvs = faces.uvs[order]
         self.sides = faces.sides[order]
@@ -50,14 +55,16 @@ class PatchTree:
         self.depth = np.zeros(count, np.int64)
         self.emission = faces.emission[order]
         self.centres, self.areas, self.radii = _measured(self.corners, self.sides)
+        self.axes, self.flat = _half_edges(self.corners, self.sides), np.ones(count, np.uint8)
         self.albedo = self._albedo(np.arange(count))
         self.span = np.stack([np.arange(count), np.arange(1, count + 1)], axis=1)
         self._shares = np.concatenate([[0.0], np.cumsum(self.areas)])[:, None]
         self._faces = count
+        self._boxes = np.zeros((count, 6))
         self.covered = np.zeros(count, np.int32)
         self.roots = np.arange(count)
-        if count > _FEW:
-            self._cluster()
+        if groups is not None:
+            self._cluster(groups)
         low, high = faces.corners.min(axis=(0, 1)), faces.corners.max(axis=(0, 1))
         self.bias = _ROUNDING * float(np.abs([low, high]).max())
         self._cover(np.arange(count))
@@ -89,12 +96,18 @@ class PatchTree:
             sides=self.sides,
             normals=self.normals,
             centres=self.centres,
+            axes=self.axes,
+            flat=self.flat,
+            first_child=self.first_child.astype(np.int32),
+            children=self.children.astype(np.int32),
             sizes=np.stack([self.areas, self.radii, self.open], axis=1),
             covered=self.covered,
             first_face=self.span[:, 0].astype(np.int32),
             last_face=self.span[:, 1].astype(np.int32),
             faces=np.arange(self._faces, dtype=np.int32),
             shares=self._shares,
+            boxes=self._boxes.reshape(-1, 3),
+            roots=self.roots.astype(np.int32),
             bias=self.bias,
         )
 
@@ -121,6 +134,8 @@ class PatchTree:
             depth=self.depth[again] + 1,
             emission=self.emission[again],
             centres=centres,
+            axes=_half_edges(corners, self.sides[again]),
+            flat=np.ones(len(again), np.uint8),
             areas=areas,
             radii=radii,
             albedo=self.albedo[again],
@@ -156,44 +171,45 @@ class PatchTree:
         albedo[textured] *= total / _PLACES**2
         return albedo
 
-    def _cluster(self) -> None:
-        """Groups of four neighbours in the faces' order, groups of four groups, and so on to one root."""
-        level = self.roots
-        while len(level) > 1:
-            groups = (len(level) + _WIDTH - 1) // _WIDTH
-            starts = _WIDTH * np.arange(groups)
-            sizes = np.diff(np.append(starts, len(level)))
-            areas = np.add.reduceat(self.areas[level], starts)
+    def _cluster(self, groups: Groups) -> None:
+        """Groups of faces above the faces, all under one root."""
+        faces, count = self._faces, len(groups.first)
+        found = measured(groups, self.corners, self.normals, self.areas, self.centres)
+        weights = self._shares[groups.last] - self._shares[groups.first]
 
-            def mean(values: Points, starts: Numbers = starts, areas: Points = areas, level: Numbers = level) -> Points:
-                sums: Points = np.add.reduceat(values[level] * self.areas[level, None], starts, axis=0)
-                return sums / areas[:, None]
+        def mean(values: Points) -> Points:
+            sums = np.concatenate([np.zeros((1, 3)), np.cumsum(values * self.areas[:, None], axis=0)])
+            means: Points = np.maximum(sums[groups.last] - sums[groups.first], 0.0) / weights
+            return means
 
-            centres = mean(self.centres)
-            owner = np.repeat(np.arange(groups), sizes)
-            reach = np.linalg.norm(self.centres[level] - centres[owner], axis=1) + self.radii[level]
-            first = len(self)
-            self.parent[level] = first + owner
-            self._append(
-                corners=np.zeros((groups, 4, 3)),
-                uvs=np.zeros((groups, 4, 2)),
-                sides=np.zeros(groups, np.uint8),
-                normals=np.zeros((groups, 3)),
-                face=np.full(groups, -1),
-                parent=np.full(groups, -1),
-                first_child=level[starts],
-                children=sizes,
-                depth=np.zeros(groups, np.int64),
-                emission=mean(self.emission),
-                centres=centres,
-                areas=areas,
-                radii=np.maximum.reduceat(reach, starts),
-                albedo=mean(self.albedo),
-                covered=np.zeros(groups, np.int32),
-                span=np.stack([self.span[level[starts], 0], self.span[level[starts + sizes - 1], 1]], axis=1),
-            )
-            level = np.arange(first, len(self))
-        self.roots = level
+        made = faces + np.arange(count)
+        parent = np.full(faces + count, -1)
+        owner = np.repeat(made, groups.children)
+        place = np.arange(len(owner)) - np.repeat(np.cumsum(groups.children) - groups.children, groups.children)
+        parent[np.repeat(groups.first_child, groups.children) + place] = owner
+        self.parent = parent[:faces]
+        self._append(
+            corners=np.zeros((count, 4, 3)),
+            uvs=np.zeros((count, 4, 2)),
+            sides=np.zeros(count, np.uint8),
+            normals=found.normals,
+            face=np.full(count, -1),
+            parent=parent[faces:],
+            first_child=groups.first_child,
+            children=groups.children,
+            depth=np.zeros(count, np.int64),
+            emission=mean(self.emission),
+            centres=found.centres,
+            axes=found.axes,
+            flat=found.flat,
+            areas=found.areas,
+            radii=found.radii,
+            albedo=mean(self.albedo),
+            covered=np.zeros(count, np.int32),
+            span=np.stack([groups.first, groups.last], axis=1),
+        )
+        self.roots = made[:1]
+        self._boxes = np.concatenate([self._boxes, found.boxes])
         self._deepen()
 
     def _deepen(self) -> None:
@@ -255,6 +271,13 @@ def _measured(corners: Points, sides: npt.NDArray[np.uint8]) -> tuple[Points, Po
     edge1, edge2 = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     areas = np.linalg.norm(np.cross(edge1, edge2), axis=1) * np.where(three, 0.5, 1.0)
     return centres, areas, np.linalg.norm(used - centres[:, None], axis=2).max(axis=1)
+
+
+def _half_edges(corners: Points, sides: npt.NDArray[np.uint8]) -> Points:
+    """(n, 6): halves of the edges from the first corner, to the second and to the last."""
+    origin, last = corners[:, 0], np.where((sides == 3)[:, None], corners[:, 2], corners[:, 3])
+    found: Points = np.concatenate([corners[:, 1] - origin, last - origin], axis=1) / 2
+    return found
 
 
 def _longest_edges(corners: Points, sides: npt.NDArray[np.uint8]) -> Points:
