@@ -101,18 +101,19 @@ class TextureTable:
             decode=np.stack([srgb_to_linear(steps), steps]).astype(np.float32),
             data=np.array(self._data, np.float32),
             to_own=to_own() if to_own is not None and self._nodes else np.zeros((0, 12), np.float32),
-            colour=self._colour_entry(),
+            **self._entries(),
         )
         # Nodes hold the addresses of these.
         return packed._replace(arrays=packed.arrays | {"tables": tuple(self._tables)})
 
-    def _colour_entry(self) -> int:
+    def _entries(self) -> dict[str, int]:
         if not self._nodes:
-            return 0
+            return {"colour": 0, "curvature": 0}
         # As in _add.
+        from isophote.kernels.trace.footprint import curvature_at
         from isophote.kernels.trace.textured import colour_at
 
-        return colour_at.address
+        return {"colour": colour_at.address, "curvature": curvature_at.address}
 
 
 def _with_alpha(picture: ImageTexture) -> Texels:

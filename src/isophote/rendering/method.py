@@ -78,11 +78,16 @@ def checked_seed(seed: object) -> int:
 
 
 def first_hit_channels(
-    scene: Packed, size: Size, pool: Pool, place: tuple[float, float, float, float] = (0.5, 0.5, 0.0, 0.0)
+    scene: Packed,
+    size: Size,
+    pool: Pool,
+    place: tuple[float, float, float, float] = (0.5, 0.5, 0.0, 0.0),
+    samples: int = 1,
 ) -> Mapping[str, Array]:
     """Channels of what is seen at one place in each pixel, the centre if none is given; see `Image`.
 
-    `place` is (x, y) from the pixel's upper left corner, and a point (a, b) of the lens, in the unit disk.
+    `place` is (x, y) from the pixel's upper left corner, and a point (a, b) of the lens, in the unit disk; textures
+    are filtered as for one of so many `samples` of a pixel.
     """
     width, height = size
     channels: dict[str, Array] = {
@@ -97,7 +102,9 @@ def first_hit_channels(
     flat = {name: array.reshape(height, -1) for name, array in channels.items()}
     words = scratch_words(scene.arrays["fields"])
     at = dict(zip(("film_x", "film_y", "lens_a", "lens_b"), place, strict=True))
-    features = [FEATURES.pack(**flat, **at, scratch=np.zeros(words, np.float32)) for _ in range(pool.threads)]
+    features = [
+        FEATURES.pack(**flat, **at, samples=samples, scratch=np.zeros(words, np.float32)) for _ in range(pool.threads)
+    ]
 
     def work(first: int, thread: int) -> None:
         first_hits(scene.words, features[thread].words, width, first, min(first + _ROWS_A_JOB, height))

@@ -18,6 +18,7 @@ __all__ = [
     "Surface",
     "face_number",
     "item_of",
+    "normal_to_world",
     "offset_point",
     "surface_at",
     "triangle_light",
@@ -114,7 +115,7 @@ def _blend(rows, corners, at, w0, w1, w2):
 
 
 @device
-def _normal_to_world(geometry, instance, n):
+def normal_to_world(geometry, instance, n):
     """Normals go by the transposed inverse: n · M⁻¹."""
     m = geometry.to_object
     return vec3(
@@ -129,7 +130,7 @@ def _shading_normal(geometry, surfaces, instance, at, w0, w1, w2, normal):
     """The interpolated normal on the side of the geometric one, or that one where there is nothing to interpolate."""
     blended = _blend(surfaces.normals, surfaces.normal_corners, at, w0, w1, w2)
     if geometry.identity[instance] == 0:
-        blended = _normal_to_world(geometry, instance, blended)
+        blended = normal_to_world(geometry, instance, blended)
     size2 = dot(blended, blended)
     if not size2 > _ZERO:
         return normal
@@ -142,7 +143,7 @@ def _oriented_normal(geometry, surfaces, instance, item, a, b, c):
     """Unit normal of the triangle a, b, c of an instance's object in the world, outward."""
     normal = cross(b - a, c - a)
     if geometry.identity[instance] == 0:
-        normal = _normal_to_world(geometry, instance, normal)
+        normal = normal_to_world(geometry, instance, normal)
     normal = normalise(normal)
     return -normal if surfaces.items[item, FLIPPED] != 0 else normal
 

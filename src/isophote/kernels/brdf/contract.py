@@ -62,6 +62,8 @@ TANGENT, BITANGENT, NORMAL, TRUE_NORMAL = 16, 19, 22, 25
 # slot, instance and item of the hit, its triangle and the material as int32; after the parameters, the record that
 # textures are asked with (texture/contract.py).
 PLACE, OUTWARD, SHADING, DIRECTION, U, V = 28, 31, 34, 37, 40, 41
+# Half-width of the ray's cone where it met the surface, 0 where nobody knows, and what trace/footprint.py leaves.
+RADIUS, CURVATURE = 47, 14
 HIT_SLOT, HIT_INSTANCE, ITEM, TRIANGLE, MATERIAL = 42, 43, 44, 45, 46
 PARAMETERS = 48
 MOST_SLOTS = 48

@@ -54,7 +54,7 @@ BILINEAR, NEAREST = 0, 1
 # row of `decode` that 8-bit colours go through, or 2 for texels in `floats`. `bytes`, `floats` (texels, 4): red, green,
 # blue, and alpha, which is never encoded. `decode` (2, 256): sRGB to linear, and plain. `data`: numbers of nodes.
 # `to_own` (items, 12): rows of affine 3 × 4 matrices from the world to the space in which an item's shape is described.
-# `colour`: the entry of trace/textured.py.
+# `colour`, `curvature`: the entries of trace/textured.py and trace/footprint.py.
 TEXTURES = Table(
     "Textures",
     nodes=LONG_ROWS,
@@ -65,6 +65,7 @@ TEXTURES = Table(
     data=FLOATS,
     to_own=FLOAT_ROWS,
     colour=INT,
+    curvature=INT,
 )
 
 _WORDS = np.int64(WORDS)

@@ -7,10 +7,11 @@ import numpy as np
 from isophote.kernels.accel.geometry import closest_hit
 from isophote.kernels.accel.surface import PUBLIC, face_number, offset_point
 from isophote.kernels.base.jit import device, kernel
-from isophote.kernels.base.table import FLOAT, FLOAT_ROWS, FLOATS, INT_ROWS, Table
+from isophote.kernels.base.table import FLOAT, FLOAT_ROWS, FLOATS, INT, INT_ROWS, Table
 from isophote.kernels.base.vec import dot, length
 from isophote.kernels.light.emitter import closest_lamp, lamp_normal
 from isophote.kernels.trace.camera import camera_ray
+from isophote.kernels.trace.cone import pixel_cone
 from isophote.kernels.trace.direct import closest_direct, is_surface, surface_of
 from isophote.kernels.trace.holes import has_holes, surface_opacity
 from isophote.kernels.trace.shading import surface_colour
@@ -24,7 +25,8 @@ _FAR, _NONE = np.float32(np.inf), np.int64(-1)
 _LEAST, _MOST = np.float32(0.5), np.int64(4096)
 
 # Rows y, pixels x: `depth`, `distance`, `item`, `primitive` (height, width), the others (height, channels · width).
-# `film_x`, `film_y`: the place from each pixel's corner; `lens_a`, `lens_b`: the point of the unit disk of the lens.
+# `film_x`, `film_y`: the place from each pixel's corner; `lens_a`, `lens_b`: the point of the unit disk of the lens;
+# `samples`: how many such places there are in all.
 FEATURES = Table(
     "Features",
     depth=FLOAT_ROWS,
@@ -35,6 +37,7 @@ FEATURES = Table(
     item=INT_ROWS,
     primitive=INT_ROWS,
     scratch=FLOATS,
+    samples=INT,
     film_x=FLOAT,
     film_y=FLOAT,
     lens_a=FLOAT,
@@ -68,7 +71,10 @@ def _write_lamp(scene, features, y, x, origin, direction, t, lamp):
 def _write_surface(scene, features, y, x, origin, direction, hit):
     surface = surface_of(scene, origin, direction, hit, features.scratch)
     _set(features.normal, y, x, _facing(surface.shading, direction))
-    _set(features.albedo, y, x, surface_colour(scene, surface, hit, direction, features.scratch))
+    unit = direction / length(direction)
+    width, spread = pixel_cone(scene.camera, unit, features.samples)
+    radius = width + features.distance[y, x] * spread
+    _set(features.albedo, y, x, surface_colour(scene, surface, hit, unit, radius, features.scratch))
     features.uv[y, 2 * x] = surface.u
     features.uv[y, 2 * x + 1] = surface.v
     features.item[y, x] = scene.surfaces.items[surface.item, PUBLIC]
@@ -92,7 +98,7 @@ def _seen(scene, origin, direction, scratch):
     left = _MOST if has_holes(scene) else np.int64(0)
     while left > 0 and lamp < 0 and is_surface(hit.slot):
         surface = surface_of(scene, start, direction, hit, scratch)
-        if surface_opacity(scene, surface, hit, direction / length(direction), scratch) >= _LEAST:
+        if surface_opacity(scene, surface, hit, direction / length(direction), _ZERO, scratch) >= _LEAST:
             break
         start = offset_point(surface.place, surface.normal, surface.error, direction)
         hit, t, lamp = _met(scene, start, direction, scratch)

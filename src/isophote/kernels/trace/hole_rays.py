@@ -20,6 +20,7 @@ from isophote.kernels.light.emitter import closest_lamp, lamp_blocks
 from isophote.kernels.trace import wave as rows
 from isophote.kernels.trace.batch import LAMP
 from isophote.kernels.trace.direct import closest_direct, direct_item, is_surface, surface_of
+from isophote.kernels.trace.cone import cone_radius
 from isophote.kernels.trace.holes import surface_opacity
 from isophote.kernels.trace.tables import SCENE
 from isophote.kernels.trace.textured import slot_value, write_place
@@ -41,9 +42,13 @@ def opacity_at(scene_words, scratch_address):
     scene, scratch = _scene_at(scene_words), floats_at(scratch_address, _WORDS)
     materials = scene.materials
     slot = np.int64(materials.cuts[np.int64(load_int(scratch, contract.MATERIAL))])
+    cutoff = materials.slot_values[slot + 1, 0]
+    if cutoff >= _ZERO:
+        # A mean of what is there and what is not says neither.
+        scratch[contract.RADIUS] = _ZERO
     if materials.slot_codes[slot, 0] >= 0:
         write_place(scene, scratch)
-    alpha, cutoff = slot_value(materials, scene.textures, slot, scratch).x, materials.slot_values[slot + 1, 0]
+    alpha = slot_value(materials, scene.textures, slot, scratch).x
     if cutoff >= _ZERO:
         alpha = _ONE if alpha >= cutoff else _ZERO
     alpha = min(max(alpha, _ZERO), _ONE)
@@ -87,7 +92,7 @@ def _pass(scene, wave, i):
         if not (is_surface(hit.slot) and _is_cut(scene, hit)):
             break
         surface = surface_of(scene, start, direction, hit, scratch)
-        alpha = surface_opacity(scene, surface, hit, direction, scratch)
+        alpha = surface_opacity(scene, surface, hit, direction, cone_radius(wave, i, gone + hit.t), scratch)
         if alpha > u:
             break
         u = min((u - alpha) / (_ONE - alpha), _ONE)
@@ -128,7 +133,7 @@ def _left(scene, wave, i):
         if not _is_cut(scene, hit):
             return _ZERO
         surface = surface_of(scene, start, direction, hit, scratch)
-        left *= _ONE - surface_opacity(scene, surface, hit, direction, scratch)
+        left *= _ONE - surface_opacity(scene, surface, hit, direction, _ZERO, scratch)
         if left <= _ZERO:
             return _ZERO
         moved = offset_point(surface.place, surface.normal, surface.error, direction)

@@ -29,12 +29,12 @@ def has_holes(scene):
 
 
 @device
-def surface_opacity(scene, surface, hit, direction, scratch):
-    """α of a surface that a ray of unit `direction` met."""
+def surface_opacity(scene, surface, hit, direction, radius, scratch):
+    """α of a surface that a ray of unit `direction` met; `radius` as for `write_surface`."""
     materials = scene.materials
     if materials.cuts[np.int64(scene.surfaces.items[surface.item, MATERIAL])] < 0:
         return _ONE
-    write_surface(scene, surface, hit, direction, scratch)
+    write_surface(scene, surface, hit, direction, radius, scratch)
     call_entry(materials.opacity, (table_address(scene), element_address(scratch, _START)))
     return scratch[contract.VALUE]
 

@@ -1,6 +1,6 @@
 """What rendering methods ask of any material at a surface.
 
-    prepare_material(scene, surface, hit, direction, scratch)          once, then as often as it takes
+    prepare_material(scene, surface, hit, direction, radius, scratch)  once, then as often as it takes
     evaluate_material(scene, surface, into, scratch) → (f |cosθ|, density)
     sample_material(scene, surface, x, y, pick, scratch) → (into, f |cosθ| / density, density)
     branch_material(scene, surface, k, scratch) → (into, share)        0 ≤ k < materials.branches
@@ -48,9 +48,9 @@ def _material(scene, surface):
 
 
 @device
-def prepare_linked(scene, surface, hit, direction, scratch):
+def prepare_linked(scene, surface, hit, direction, radius, scratch):
     """Write what the entries of a linked kind read."""
-    write_surface(scene, surface, hit, direction, scratch)
+    write_surface(scene, surface, hit, direction, radius, scratch)
     call_entry(scene.materials.prepare, (table_address(scene), element_address(scratch, _START)))
 
 
@@ -124,17 +124,18 @@ def _branch_linked(scene, surface, k, scratch):
 
 
 @device
-def prepare_material(scene, surface, hit, direction, scratch):
-    """Write what the other functions read, for the ray of unit `direction` that met the surface."""
+def prepare_material(scene, surface, hit, direction, radius, scratch):
+    """Write what the other functions read, for the ray of unit `direction` that met the surface; `radius` as for
+    `write_surface`."""
     if scene.materials.kinds[_material(scene, surface)] == LINKED:
-        prepare_linked(scene, surface, hit, direction, scratch)
+        prepare_linked(scene, surface, hit, direction, radius, scratch)
         return
     normal = seen_normal(surface, direction)
     side = _ONE if dot(direction, normal) < _ZERO else -_ONE
     store_vec3(scratch, contract.NORMAL, normal * side)
     store_vec3(scratch, contract.TRUE_NORMAL, surface.normal * side)
     store_vec3(scratch, contract.DIRECTION, direction)
-    store_vec3(scratch, contract.PARAMETERS, surface_colour(scene, surface, hit, direction, scratch))
+    store_vec3(scratch, contract.PARAMETERS, surface_colour(scene, surface, hit, direction, radius, scratch))
 
 
 @device

@@ -31,6 +31,7 @@ from isophote.kernels.light.medium import (
 from isophote.kernels.trace import wave as rows
 from isophote.kernels.trace.batch import LAMP, trace_rays, trace_shadow_rays
 from isophote.kernels.trace.boundary import goes_smoothly, set_relative_index
+from isophote.kernels.trace.cone import carry_cone, cone_radius
 from isophote.kernels.trace.direct import is_surface, surface_of
 from isophote.kernels.trace.holes import has_holes
 from isophote.kernels.trace.material import evaluate_linked, lit_side, prepare_linked, sample_linked
@@ -175,10 +176,12 @@ def _survives(worth_tracing, plan, depth, carried, u):
 
 
 @device
-def _go_on(worth_tracing, plan, wave, depth, i, to, surface, shading, into, carried, density, inside):
+def _go_on(tables, worth_tracing, plan, wave, depth, i, to, met, shading, into, carried, density, inside):
     """Write the ray that goes on to wave column `to`. Returns how many were written: 1, or 0 where the path ends."""
     floats, ints = wave.floats, wave.ints
+    surface, hit, direction = met
     factor = _survives(worth_tracing, plan, depth, carried, floats[rows.PICK_V, i])
+    carry_cone(tables, plan, wave, i, to, surface, hit, direction, into, density)
     start = offset_point(surface.place, surface.normal, surface.error, into)
     # Written whether the path lives or not, as in _aim.
     set_row_vec3(floats, rows.ORIGIN, to, start)
@@ -243,7 +246,15 @@ def _shade(tables, plan, wave, count, depth):
             add_radiance(wave, owner, carried * emitted)
         if depth == plan.max_depth or kind == BLACK:
             continue
-        colour = surface_colour(tables, surface, hit, direction, wave.scratch)
+        met, radius, smoothly = (
+            (surface, hit, direction),
+            cone_radius(wave, i, hit.t),
+            goes_smoothly(tables, material, boundary),
+        )
+        # What is called by address looks its textures up by itself.
+        colour = carried
+        if kind != LINKED or smoothly:
+            colour = surface_colour(tables, surface, hit, direction, radius, wave.scratch)
         if kind == MATTE:
             shading = seen_normal(surface, direction)
             shading = shading if dot(direction, shading) < _ZERO else -shading
@@ -251,14 +262,16 @@ def _shade(tables, plan, wave, count, depth):
             into, density = scatter_matte(shading, floats[rows.SCATTER_U, i], floats[rows.SCATTER_V, i])
             if dot(into, surface.normal) * dot(direction, surface.normal) < _ZERO:
                 carried = carried * colour
-                alive += _go_on(worth, plan, wave, depth, i, alive, surface, shading, into, carried, density, inside)
-        elif goes_smoothly(tables, material, boundary):
+                alive += _go_on(
+                    tables, worth, plan, wave, depth, i, alive, met, shading, into, carried, density, inside
+                )
+        elif smoothly:
             u = floats[rows.PICK_U, i]
             into, weight, inside = _cross_glass(tables.media, surface, direction, boundary, inside, colour, u)
             carried = carried * weight
-            alive += _go_on(worth, plan, wave, depth, i, alive, surface, direction, into, carried, _ZERO, inside)
+            alive += _go_on(tables, worth, plan, wave, depth, i, alive, met, direction, into, carried, _ZERO, inside)
         elif kind == LINKED:
-            prepare_linked(tables, surface, hit, direction, wave.scratch)
+            prepare_linked(tables, surface, hit, direction, radius, wave.scratch)
             set_relative_index(tables, material, boundary, dot(direction, surface.normal) < _ZERO, wave.scratch)
             lit = lit_side(tables, material, wave.scratch)
             if tables.materials.scatters[material] != 0:
@@ -267,11 +280,11 @@ def _shade(tables, plan, wave, count, depth):
             into, weight, density = sample_linked(tables, surface, x, y, floats[rows.PICK_U, i], wave.scratch)
             inside = boundary.inside if dot(into, surface.normal) * dot(direction, surface.normal) > _ZERO else inside
             carried = carried * weight
-            alive += _go_on(worth, plan, wave, depth, i, alive, surface, lit, into, carried, density, inside)
+            alive += _go_on(tables, worth, plan, wave, depth, i, alive, met, lit, into, carried, density, inside)
         else:
             into = mirror_ray(surface, direction)
             carried = carried * colour
-            alive += _go_on(worth, plan, wave, depth, i, alive, surface, direction, into, carried, _ZERO, inside)
+            alive += _go_on(tables, worth, plan, wave, depth, i, alive, met, direction, into, carried, _ZERO, inside)
     return alive, shadows
 
 

@@ -23,6 +23,7 @@ from isophote.kernels.trace import ray_tree
 from isophote.kernels.trace import wave as rows
 from isophote.kernels.trace.batch import find_blocked
 from isophote.kernels.trace.boundary import set_relative_index
+from isophote.kernels.trace.cone import cone_radius
 from isophote.kernels.trace.holes import share_left
 from isophote.kernels.trace.material import evaluate_material, prepare_material
 from isophote.kernels.trace.ray_log import log_light, log_visible
@@ -98,10 +99,10 @@ def _draw_jobs(plan, tree, wave, first, count):
 
 
 @device
-def prepare_surface(tables, surface, boundary, hit, direction, scratch):
+def prepare_surface(tables, surface, boundary, hit, direction, radius, scratch):
     """Make ready what a surface's material is evaluated with."""
     material = np.int64(tables.surfaces.items[surface.item, MATERIAL])
-    prepare_material(tables, surface, hit, direction, scratch)
+    prepare_material(tables, surface, hit, direction, radius, scratch)
     if tables.materials.kinds[material] == LINKED:
         set_relative_index(tables, material, boundary, dot(direction, surface.normal) < _ZERO, scratch)
 
@@ -125,7 +126,8 @@ def _prepare(tables, tree, wave, surface, at):
         longs[rows.HIT_INSTANCE, i],
     )
     direction = row_vec3(floats, rows.DIRECTION, i)
-    prepare_surface(tables, surface, _boundary(tree, at), hit, direction, wave.scratch)
+    radius = cone_radius(wave, i, hit.t)
+    prepare_surface(tables, surface, _boundary(tree, at), hit, direction, radius, wave.scratch)
 
 
 @device

@@ -24,6 +24,7 @@ from isophote.kernels.trace import ray_log, ray_tree
 from isophote.kernels.trace import wave as rows
 from isophote.kernels.trace.batch import LAMP, trace_rays
 from isophote.kernels.trace.boundary import goes_smoothly, split_ray
+from isophote.kernels.trace.cone import cone_radius, leaving_cone
 from isophote.kernels.trace.direct import is_surface, surface_of
 from isophote.kernels.trace.holes import has_holes, stop_at_any, surface_opacity
 from isophote.kernels.trace.material import branch_material, sample_material
@@ -103,28 +104,34 @@ def _start(surface, into):
 
 
 @device
-def _branch_glass(tables, tree, wave, log, levels, level, i, surface, hit, direction, boundary, carried):
+def _branch_glass(tables, plan, tree, wave, log, level, i, surface, hit, direction, boundary, carried):
     """The rays that leave a boundary of clear media; where it lies within a medium of higher priority, it is none."""
     if boundary.before == boundary.behind:
         start, weight = _start(surface, direction), vec3(_ONE, _ONE, _ONE)
         kind, inside = ray_log.PASSED, boundary.inside
-        branch(tree, log, wave, levels, level, i, kind, inside, start, direction, carried, weight)
+        cone = leaving_cone(tables, plan, wave, i, surface, hit, direction, direction, _ZERO)
+        branch(tree, log, wave, plan.max_depth, level, i, kind, inside, start, direction, carried, weight, cone)
         return
     ratio = medium_ior(tables.media, boundary.behind) / medium_ior(tables.media, boundary.before)
     share, reflected, refracted = split_ray(surface, direction, ratio)
-    inside, colour = wave.longs[rows.INSIDE, i], surface_colour(tables, surface, hit, direction, wave.scratch)
+    inside, radius = wave.longs[rows.INSIDE, i], cone_radius(wave, i, hit.t)
+    colour = surface_colour(tables, surface, hit, direction, radius, wave.scratch)
     for k in range(2):
         into = reflected if k == 0 else refracted
         # Radiance is squeezed into a smaller cone behind the boundary (bsdf.py).
         weight = colour * (share if k == 0 else (_ONE - share) / (ratio * ratio))
         kind = ray_log.REFLECTED if k == 0 else ray_log.REFRACTED
         if share < _ONE or k == 0:
-            branch(tree, log, wave, levels, level, i, kind, inside, _start(surface, into), into, carried, weight)
+            cone, start = (
+                leaving_cone(tables, plan, wave, i, surface, hit, direction, into, _ZERO),
+                _start(surface, into),
+            )
+            branch(tree, log, wave, plan.max_depth, level, i, kind, inside, start, into, carried, weight, cone)
         inside = boundary.inside
 
 
 @device
-def _branch_any(tables, tree, wave, log, levels, level, i, surface, direction, carried):
+def _branch_any(tables, plan, tree, wave, log, level, i, surface, hit, direction, carried):
     """The rays in all single directions that a material sends light to."""
     inside = wave.longs[rows.INSIDE, i]
     material = np.int64(tables.surfaces.items[surface.item, MATERIAL])
@@ -133,16 +140,23 @@ def _branch_any(tables, tree, wave, log, levels, level, i, surface, direction, c
         if maximum_component(weight) > _ZERO:
             back = dot(into, surface.normal) * dot(direction, surface.normal) < _ZERO
             kind = ray_log.REFLECTED if back else ray_log.PASSED
-            branch(tree, log, wave, levels, level, i, kind, inside, _start(surface, into), into, carried, weight)
+            cone, start = (
+                leaving_cone(tables, plan, wave, i, surface, hit, direction, into, _ZERO),
+                _start(surface, into),
+            )
+            branch(tree, log, wave, plan.max_depth, level, i, kind, inside, start, into, carried, weight, cone)
 
 
 @device
-def _branch_through(tree, log, wave, levels, level, i, surface, direction, carried, opacity):
+def _branch_through(tables, plan, tree, wave, log, level, i, surface, hit, direction, carried, opacity):
     """The ray that goes straight on through a cut-out; `carried` holds its opacity, which is above 0, already."""
     share = (_ONE - opacity) / opacity
     kind, inside, weight = ray_log.PASSED, wave.longs[rows.INSIDE, i], vec3(share, share, share)
-    start = _start(surface, direction)
-    branch(tree, log, wave, levels, level, i, kind, inside, start, direction, carried, weight)
+    start, cone = (
+        _start(surface, direction),
+        leaving_cone(tables, plan, wave, i, surface, hit, direction, direction, _ZERO),
+    )
+    branch(tree, log, wave, plan.max_depth, level, i, kind, inside, start, direction, carried, weight, cone)
 
 
 @device
@@ -156,8 +170,10 @@ def _meet_surface(tables, plan, tree, wave, log, level, i, lit):
     material = np.int64(tables.surfaces.items[surface.item, MATERIAL])
     inside = wave.longs[rows.INSIDE, i]
     boundary = surface_boundary(tables.media, material, inside, dot(direction, surface.normal) < _ZERO)
-    opacity = surface_opacity(tables, surface, hit, direction, wave.scratch) if has_holes(tables) else _ONE
-    prepare_surface(tables, surface, boundary, hit, direction, wave.scratch)
+    radius, opacity = cone_radius(wave, i, t), _ONE
+    if has_holes(tables):
+        opacity = surface_opacity(tables, surface, hit, direction, radius, wave.scratch)
+    prepare_surface(tables, surface, boundary, hit, direction, radius, wave.scratch)
     tint = attenuation(tables.media, boundary.before, t) * opacity
     carried = row_vec3(floats, rows.CARRIED, i) * tint
     emitted, ambient = _emitted(tables, surface, direction), vec3(_ZERO, _ZERO, _ZERO)
@@ -170,13 +186,12 @@ def _meet_surface(tables, plan, tree, wave, log, level, i, lit):
     log_terms(log, logged, ray_log.SURFACE, number, t, tint, emitted, ambient)
     log_hit(log, logged, tables, hit, surface)
     add_radiance(wave, i, carried * (emitted + ambient))
-    levels = plan.max_depth
     if goes_smoothly(tables, material, boundary):
-        _branch_glass(tables, tree, wave, log, levels, level, i, surface, hit, direction, boundary, carried)
+        _branch_glass(tables, plan, tree, wave, log, level, i, surface, hit, direction, boundary, carried)
     else:
-        _branch_any(tables, tree, wave, log, levels, level, i, surface, direction, carried)
+        _branch_any(tables, plan, tree, wave, log, level, i, surface, hit, direction, carried)
     if opacity < _ONE:
-        _branch_through(tree, log, wave, levels, level, i, surface, direction, carried, opacity)
+        _branch_through(tables, plan, tree, wave, log, level, i, surface, hit, direction, carried, opacity)
     return np.int64(scatters)
 
 

@@ -42,8 +42,8 @@ __all__ = [
     "take",
 ]
 
-# Rows of a level's list. Floats: origin, direction, weight in the pixel's sample.
-ORIGIN, DIRECTION, CARRIED, FLOATS_A_LEVEL = np.int64(0), np.int64(3), np.int64(6), np.int64(9)
+# Rows of a level's list. Floats: origin, direction, weight in the pixel's sample, and the ray's cone (cone.py).
+ORIGIN, DIRECTION, CARRIED, CONE, FLOATS_A_LEVEL = np.int64(0), np.int64(3), np.int64(6), np.int64(9), np.int64(11)
 # Words: key of its sample numbers, number of the pixel's sample, wave column of the tree.
 KEY, SAMPLE, OWNER, WORDS_A_LEVEL = np.int64(0), np.int64(1), np.int64(2), np.int64(3)
 # Longs: media that it is in (medium.py), and its row in the log.
@@ -125,7 +125,7 @@ def start_trees(tree, levels, count):
 
 
 @device
-def branch(tree, log, wave, levels, level, i, kind, inside, start, into, carried, weight):
+def branch(tree, log, wave, levels, level, i, kind, inside, start, into, carried, weight, cone):
     """Let a ray wait that leaves what the ray in wave column `i` met, with so much weight in it, unless it is too deep
     or carries too little."""
     shown = carried * weight
@@ -141,6 +141,7 @@ def branch(tree, log, wave, levels, level, i, kind, inside, start, into, carried
     set_row_vec3(tree.floats, first + ORIGIN, at, start)
     set_row_vec3(tree.floats, first + DIRECTION, at, into)
     set_row_vec3(tree.floats, first + CARRIED, at, shown)
+    tree.floats[first + CONE, at], tree.floats[first + CONE + 1, at] = cone
     first = below * WORDS_A_LEVEL
     tree.words[first + KEY, at] = combine(_U(wave.ints[rows.PIXEL, i]), _U(kind))
     tree.words[first + SAMPLE, at] = wave.ints[rows.SAMPLE, i]
@@ -176,6 +177,7 @@ def take(tree, wave, level):
         set_row_vec3(floats, rows.DIRECTION, i, row_vec3(tree.floats, above + DIRECTION, at))
         set_row_vec3(floats, rows.CARRIED, i, row_vec3(tree.floats, above + CARRIED, at))
         set_row_vec3(floats, rows.RADIANCE, i, vec3(_ZERO, _ZERO, _ZERO))
+        floats[rows.WIDTH, i], floats[rows.SPREAD, i] = tree.floats[above + CONE, at], tree.floats[above + CONE + 1, at]
         floats[rows.HIT_T, i] = _FAR
         ints[rows.PIXEL, i] = tree.words[words + KEY, at]
         ints[rows.SAMPLE, i] = tree.words[words + SAMPLE, at]

@@ -13,6 +13,7 @@ from isophote.kernels.base.warp import to_disk
 from isophote.kernels.light.film import add_sample, filter_offset, is_negative
 from isophote.kernels.trace import wave as rows
 from isophote.kernels.trace.camera import camera_ray
+from isophote.kernels.trace.cone import start_cones
 from isophote.kernels.trace.wave import set_row_vec3
 
 __all__ = ["FIRST", "Tile", "develop", "draw", "start_paths"]
@@ -93,6 +94,8 @@ def start_paths(tables, plan, film, tile, place, wave):
         floats[rows.DENSITY, i] = _ZERO
         floats[rows.HIT_T, i] = _FAR
         wave.longs[rows.INSIDE, i] = plan.inside
+    if tables.textures.nodes.rows > 0:
+        start_cones(tables, plan, wave, count)
     return count, place
 
 

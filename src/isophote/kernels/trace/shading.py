@@ -19,8 +19,10 @@ _START = np.int64(0)
 
 
 @device
-def write_surface(scene, surface, hit, direction, scratch):
-    """Write the surface that a ray of unit `direction` met, for entries that look textures up or scatter light."""
+def write_surface(scene, surface, hit, direction, radius, scratch):
+    """Write the surface that a ray of unit `direction` met, for entries that look textures up or scatter light;
+    `radius` is the half-width of the ray's cone there (cone.py), 0 if nobody knows."""
+    scratch[contract.RADIUS] = radius
     store_vec3(scratch, contract.PLACE, surface.place)
     store_vec3(scratch, contract.OUTWARD, surface.normal)
     store_vec3(scratch, contract.SHADING, surface.shading)
@@ -34,14 +36,14 @@ def write_surface(scene, surface, hit, direction, scratch):
 
 
 @device
-def surface_colour(scene, surface, hit, direction, scratch):
+def surface_colour(scene, surface, hit, direction, radius, scratch):
     """The material's colour at a surface, texture included."""
     material = np.int64(scene.surfaces.items[surface.item, MATERIAL])
     values = scene.materials.values
     colour = vec3(values[material, 0], values[material, 1], values[material, 2])
     if scene.materials.textures[material] < 0:
         return colour
-    write_surface(scene, surface, hit, direction, scratch)
+    write_surface(scene, surface, hit, direction, radius, scratch)
     call_entry(scene.textures.colour, (table_address(scene), element_address(scratch, _START)))
     return colour * load_vec3(scratch, contract.VALUE)
 

@@ -46,7 +46,7 @@ def _through_boundary(scene, surface, hit, direction, boundary, scratch):
         return vec3(_ONE, _ONE, _ONE)
     ratio = medium_ior(scene.media, boundary.behind) / medium_ior(scene.media, boundary.before)
     share, _, _ = split_ray(surface, direction, ratio)
-    return surface_colour(scene, surface, hit, direction, scratch) * (_ONE - share)
+    return surface_colour(scene, surface, hit, direction, _ZERO, scratch) * (_ONE - share)
 
 
 @device
@@ -55,7 +55,7 @@ def _through_any(scene, surface, hit, direction, material, scratch):
     through = vec3(_ZERO, _ZERO, _ZERO)
     if scene.materials.kinds[material] != LINKED or scene.materials.scatters[material] != 0:
         return through
-    prepare_material(scene, surface, hit, direction, scratch)
+    prepare_material(scene, surface, hit, direction, _ZERO, scratch)
     for k in range(scene.materials.branches[material]):
         into, share = branch_material(scene, surface, k, scratch)
         if dot(into, direction) > _STRAIGHT:
@@ -89,7 +89,7 @@ def shadow_tint(scene_address, scratch_address, words, ray_address, inside):
         if goes_smoothly(scene, material, boundary):
             left = left * _through_boundary(scene, surface, hit, direction, boundary, scratch)
         else:
-            whole = surface_opacity(scene, surface, hit, direction, scratch)
+            whole = surface_opacity(scene, surface, hit, direction, _ZERO, scratch)
             through = _through_any(scene, surface, hit, direction, material, scratch)
             left = left * (through * whole + vec3(_ONE, _ONE, _ONE) * (_ONE - whole))
         if maximum_component(left) <= _ZERO:

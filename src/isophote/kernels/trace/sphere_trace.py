@@ -28,6 +28,7 @@ from isophote.kernels.light.environment import environment_radiance
 from isophote.kernels.primitive.chain import closest_primitive, primitive_occludes
 from isophote.kernels.trace import sphere_pixels as pixel
 from isophote.kernels.trace.camera import camera_ray
+from isophote.kernels.trace.cone import pixel_cone
 from isophote.kernels.trace.direct import surface_of
 from isophote.kernels.trace.shading import surface_colour, surface_emission
 from isophote.kernels.trace.sphere_lights import light_from
@@ -87,7 +88,7 @@ SPHERE_PICTURE = Table(
 _ZERO, _HALF, _ONE = np.float32(0), np.float32(0.5), np.float32(1)
 _FAR = np.float32(np.inf)
 _BIT, _NONE, _NO_SLOT = np.int32(1), np.int32(0), np.int64(-1)
-_AT = np.int64(SCRATCH_WORDS)
+_AT, _ONE_SAMPLE = np.int64(SCRATCH_WORDS), np.int64(1)
 # A shadow ray ends this much short of its light, in parts of its length.
 _SHADOW_END = np.float32(1 - 1e-4)
 _EDGE = np.int64(4)
@@ -251,7 +252,9 @@ def _surfaces(scene, picture, active, x0, y0):
         origin = lane_vec3(pixels, pixel.ORIGIN, lane)
         surface = surface_of(scene, origin, direction, hit, picture.scratch)
         seen = surface.shading if dot(surface.shading, direction) < _ZERO else -surface.shading
-        colour = surface_colour(scene, surface, hit, direction, picture.scratch)
+        width, spread = pixel_cone(scene.camera, direction, _ONE_SAMPLE)
+        radius = width + hit.t * spread
+        colour = surface_colour(scene, surface, hit, direction, radius, picture.scratch)
         emitted, two_sided = surface_emission(scene, surface)
         shines = two_sided or dot(direction, surface.normal) < _ZERO
         set_lane_vec3(pixels, pixel.GATHERED, lane, emitted if shines else vec3(_ZERO, _ZERO, _ZERO))

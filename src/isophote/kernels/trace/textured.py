@@ -15,6 +15,7 @@ from isophote.kernels.base.simd import load_int
 from isophote.kernels.base.vec import load_vec3, store_vec3, vec3
 from isophote.kernels.brdf import contract
 from isophote.kernels.texture import contract as texture
+from isophote.kernels.trace.footprint import write_footprint
 from isophote.kernels.trace.tables import SCENE
 
 __all__ = ["colour_at", "slot_value", "write_place"]
@@ -34,6 +35,7 @@ def write_place(scene, scratch):
     place, item = load_vec3(scratch, contract.PLACE), np.int64(load_int(scratch, contract.ITEM))
     store_vec3(scratch, _PLACE + texture.WORLD, place)
     store_vec3(scratch, _PLACE + texture.OWN, affine_point(scene.textures.to_own, item, place))
+    write_footprint(scene, scratch)
 
 
 @device

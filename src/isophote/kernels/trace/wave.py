@@ -36,7 +36,9 @@ PICK_U, PICK_V, LIGHT_U, LIGHT_V, SCATTER_U, SCATTER_V = 26, 27, 28, 29, 30, 31
 FROM_NORMAL = 32
 # Share of a shadow ray's light that cut-outs leave, where the scene has any (holes.py).
 LEFT = 35
-FLOAT_COUNT = 36
+# The ray's cone (cone.py).
+WIDTH, SPREAD = 36, 37
+FLOAT_COUNT = 38
 
 # Unsigned rows: the pixel's number for sampling, sample, column of the path at the wave's start, the same for its
 # shadow ray, whether that is blocked, and the place on the film of the path that began in this column.
