@@ -2,10 +2,12 @@
 
 A cone has a signed half-width w where its ray begins and a spread s, so that it is |w + t s| wide after t. The camera's
 cones fill the pixel, or as much of it as falls to one of its samples. At smooth surfaces they turn as light does near
-the ray (Akenine-Möller, Crassin, Boksansky, Belcour, Panteleev, Wright: "Improved Shader and Texture Level of Detail
-Using Ray Cones", JCGT 10(1), 2021), H being the mean curvature, η the ratio of indices:
+the ray (Coddington's equations; as cones: Akenine-Möller et al., "Improved Shader and Texture Level of Detail Using Ray
+Cones", JCGT 10(1), 2021), H being the mean curvature, η the ratio of indices, θ and θ′ the angles on both sides:
 
-    s′ = s + 2 H w        s′ = η s + (η cosθ − cosθ′) H w
+    s′ = s + 2 H w        s′ = (η s cosθ + (η cosθ − cosθ′) H w) / √(cosθ cosθ′)
+
+The first is the mean of what happens along and across the plane of incidence, the second between both.
 
 Scattered rays stand for what falls to a sample of all directions, a solid angle of one over their density. Scenes
 without textures have no cones.
@@ -107,7 +109,7 @@ def _turned(scene, surface, hit, direction, into, width, spread, scratch):
         return spread + bend + bend
     cosine, after = abs(before), abs(after)
     eta = _eta(scene, surface, direction, cosine, after)
-    return eta * spread + (eta * cosine - after) * bend
+    return (eta * cosine * spread + (eta * cosine - after) * bend) / math.sqrt(max(cosine * after, _LEAST_SINE))
 
 
 @device
