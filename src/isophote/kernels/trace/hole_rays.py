@@ -19,8 +19,8 @@ from isophote.kernels.brdf import contract
 from isophote.kernels.light.emitter import closest_lamp, lamp_blocks
 from isophote.kernels.trace import wave as rows
 from isophote.kernels.trace.batch import LAMP
-from isophote.kernels.trace.direct import closest_direct, direct_item, is_surface, surface_of
 from isophote.kernels.trace.cone import cone_radius
+from isophote.kernels.trace.direct import closest_direct, direct_item, is_surface, surface_of
 from isophote.kernels.trace.holes import surface_opacity
 from isophote.kernels.trace.tables import SCENE
 from isophote.kernels.trace.textured import slot_value, write_place
