@@ -26,7 +26,7 @@ HEADINGS = (
     "nodes a ray", "triangles a ray", "depth",
 )  # fmt: skip
 # Tests of triangles by brute force in one go.
-CHUNK = 200_000_000
+CHUNK = 2_000_000_000
 
 
 def measure(scene: str, names: Sequence[str], rounds: int, size: int) -> list[list[object]]:
@@ -78,24 +78,42 @@ def random_rays(mesh: iso.Mesh, count: int, seed: int) -> Rays:
     return Rays(origins.astype(np.float32), directions.astype(np.float32))
 
 
-def disagreements(mesh: iso.Mesh, names: Sequence[str], count: int) -> dict[str, int]:
-    """Rays on which each accelerator differs from brute force, in distance or in whether there is anything."""
-    tracers = {name: iso.Tracer(mesh, accelerator=name) for name in ("brute", *names)}
-    differ = dict.fromkeys(names, 0)
+def disagreements(mesh: iso.Mesh, names: Sequence[str], count: int, threads: int | None) -> tuple[int, dict[str, int]]:
+    """How many rays meet anything by brute force, and on how many each accelerator differs from it, in distance or in
+    whether there is anything."""
+    tracers = {name: iso.Tracer(mesh, accelerator=name, threads=threads) for name in ("brute", *names)}
+    hits, differ = 0, dict.fromkeys(names, 0)
     step = max(1, CHUNK // max(len(iso.triangulate(mesh).triangles), 1))
     for first in range(0, count, step):
         rays = random_rays(mesh, min(step, count - first), first)
         truth = tracers["brute"].closest(*rays)
+        hits += int(truth.hit.sum())
         for name in names:
             found = tracers[name].closest(*rays)
             wrong = (found.distance != truth.distance) | (tracers[name].occluded(*rays) != truth.hit)
             differ[name] += int(wrong.sum())
-    return differ
+    return hits, differ
 
 
-def agree(names: Sequence[str], count: int) -> None:
-    """Print a row for every model."""
-    rows: list[list[object]] = []
+def agree(names: Sequence[str], count: int, threads: int | None) -> None:
+    """Print a row for every model, the small ones first, as soon as it is known."""
+    models = sorted(_models(), key=lambda model: len(iso.triangulate(model[1]).triangles))
+    every = count * sum(len(iso.triangulate(mesh).triangles) for _, mesh in models)
+    print(f"{len(models)} models, {count:,} rays each: {every:.2g} tests of triangles by brute force", flush=True)
+    print("model | triangles | rays | hits | " + " | ".join(f"{name} differs" for name in names), flush=True)
+    total = np.zeros(2 + len(names), np.int64)
+    for name, mesh in models:
+        hits, differ = disagreements(mesh, names, count, threads)
+        row = [count, hits, *differ.values()]
+        total += row
+        cells = [name, len(iso.triangulate(mesh).triangles), *row]
+        print(" | ".join(str(cell) for cell in cells), flush=True)
+    print("all | | " + " | ".join(str(number) for number in total.tolist()), flush=True)
+
+
+def _models() -> list[tuple[str, iso.Mesh]]:
+    """All meshes that can be read, by their names in the folder."""
+    found = []
     for path in sorted(MODELS.rglob("*")):
         if path.suffix not in (".obj", ".off", ".ply", ".stl", ".gz"):
             continue
@@ -106,8 +124,8 @@ def agree(names: Sequence[str], count: int) -> None:
         except iso.Error:
             continue
         if len(mesh.faces):
-            rows.append([path.name, len(mesh.faces), *disagreements(mesh, names, count).values()])
-    print_table(("model", "faces", *(f"{name} differs" for name in names)), rows)
+            found.append((path.relative_to(MODELS).as_posix(), mesh))
+    return found
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -117,10 +135,11 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--scenes", nargs="+", choices=SCENES, default=list(SCENES))
     parser.add_argument("--accelerators", nargs="+", choices=ACCELERATORS, default=list(ACCELERATORS))
     parser.add_argument("--agree", type=int, metavar="RAYS", help="compare with brute force on so many rays a mesh")
+    parser.add_argument("--threads", type=int, help="threads of --agree; all cores unless given")
     options = parser.parse_args(arguments)
     print_machine()
     if options.agree:
-        agree(options.accelerators, options.agree)
+        agree(options.accelerators, options.agree, options.threads)
         return
     rows = [row for name in options.scenes for row in measure(name, options.accelerators, options.rounds, options.size)]
     print_table(HEADINGS, rows)

@@ -14,8 +14,9 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
-from isophote.accel.checks import checked_points, checked_triangles
+from isophote.accel.checks import MOST_ITEMS, checked_points, checked_triangles
 from isophote.accel.crew import crew, ranges
+from isophote.errors import GeometryError
 from isophote.kernels.accel.build_wide import fill_blocks
 from isophote.kernels.accel.layout import BLOCK, LANES
 from isophote.kernels.base.entry import Entry
@@ -30,6 +31,7 @@ __all__ = [
     "accelerator_of",
     "blocks_of",
     "build_accelerator",
+    "build_things",
     "padded_slots",
 ]
 
@@ -38,10 +40,11 @@ IntArray: TypeAlias = npt.NDArray[np.int32]
 
 
 class Built(NamedTuple):
-    """An accelerator over the triangles of one object.
+    """An accelerator over the triangles of one object, or over the boxes of other things.
 
     `tables` are the accelerator's own, whose address its entries are given. `blocks`: flat float32 blocks of triangles
-    (kernels/accel/layout.py), among which a triangle may stand several times; hits are told by their slots there.
+    (kernels/accel/layout.py), among which a triangle may stand several times; hits are told by their slots there. Over
+    boxes: whatever the entry for things wants (kernels/accel/things.py).
     `bounds` is (2, 3) float32, the least and greatest corner; (+inf, -inf) where there is nothing. `seconds`: what
     building took, on the wall.
     """
@@ -59,20 +62,25 @@ class Built(NamedTuple):
 
 
 Build: TypeAlias = Callable[[FloatArray, IntArray, int | None], Built]
+BuildBoxes: TypeAlias = Callable[[FloatArray, FloatArray, int | None], Built]
 
 
 @attrs.frozen(eq=False)
 class Accelerator:
-    """A way to find what rays meet: its name, how it is built, and its entries (kernels/accel/contract.py).
+    """A way to find what rays meet: its name, how it is built, and its entries (kernels/accel/contract.py, things.py).
 
     `build(positions, triangles, threads)` is given positions (n, 3) float32, all finite, and triangles (m, 3) int32,
-    all naming positions that are there; there may be none. The same bits come out for any number of `threads`.
+    all naming positions that are there; there may be none. A triangle whose second and third corner are the same stands
+    for the box between its corners (kernels/accel/clip.py). The same bits come out for any number of `threads`.
+    `build_boxes(lower, upper, threads)` builds over boxes, where that is not done so.
     """
 
     name: str
     build: Build
     closest: Entry
     any: Entry
+    things: Entry
+    build_boxes: BuildBoxes | None = None
 
 
 # Name → module in isophote.accel, and the Accelerator there. Each is loaded when it is first asked for.
@@ -109,6 +117,28 @@ def build_accelerator(
     corners = checked_triangles(triangles, len(points))
     began = time.perf_counter()
     built = accelerator.build(points, corners, threads)
+    return built._replace(seconds=time.perf_counter() - began)
+
+
+def build_things(name: str, lower: npt.ArrayLike, upper: npt.ArrayLike, threads: int | None = None) -> Built:
+    """The accelerator of a name over boxes from `lower` to `upper`, both (k, 3): of whatever has a test of its own.
+
+    The same bits come out for any number of `threads` (all cores if None). Raises `GeometryError` where a box is not
+    finite or its lower corner lies above its upper one, or there are more than 2^27.
+    """
+    least, greatest = checked_points(lower, "lower corners"), checked_points(upper, "upper corners")
+    if len(greatest) != len(least) or (least > greatest).any():
+        raise GeometryError("every box must have a lower corner and an upper one, not below it")
+    if 2 * len(least) > MOST_ITEMS:
+        raise GeometryError(f"an accelerator holds 2^27 boxes at most, not {len(least):,}")
+    accelerator = accelerator_of(name)
+    began = time.perf_counter()
+    if accelerator.build_boxes is not None:
+        built = accelerator.build_boxes(least, greatest, threads)
+    else:
+        corners = np.stack([least, greatest], axis=1).reshape(-1, 3)
+        first = 2 * np.arange(len(least), dtype=np.int32)
+        built = accelerator.build(corners, np.stack([first, first + 1, first + 1], axis=1), threads)
     return built._replace(seconds=time.perf_counter() - began)
 
 

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from isophote.accel.accelerator import Accelerator, Built
 from isophote.accel.crew import crew, ranges
-from isophote.kernels.accel.bih_entry import any_in_bih, closest_in_bih
+from isophote.kernels.accel.bih_entry import any_in_bih, closest_in_bih, things_in_bih
 from isophote.kernels.accel.bih_layout import (
     BEGIN,
     BIH,
@@ -90,4 +90,4 @@ def nodes_built(built: Built) -> int:
     return int(np.count_nonzero(codes != WAITING))
 
 
-LAZY_BIH = Accelerator("bih", _build, closest_in_bih, any_in_bih)
+LAZY_BIH = Accelerator("bih", _build, closest_in_bih, any_in_bih, things_in_bih)

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from isophote.accel.accelerator import Accelerator, Built, blocks_of
-from isophote.kernels.accel.brute_entry import BRUTE, any_of_all, closest_of_all
+from isophote.kernels.accel.brute_entry import BRUTE, any_of_all, closest_of_all, things_of_all
 from isophote.kernels.accel.layout import LANES
 
 __all__ = ["BRUTE_FORCE"]
@@ -21,4 +21,4 @@ def _build(positions: npt.NDArray[np.float32], triangles: npt.NDArray[np.int32],
     return Built(BRUTE.pack(triangles=count), blocks_of(positions, triangles, slots, threads), bounds)
 
 
-BRUTE_FORCE = Accelerator("brute", _build, closest_of_all, any_of_all)
+BRUTE_FORCE = Accelerator("brute", _build, closest_of_all, any_of_all, things_of_all)

@@ -12,7 +12,7 @@ from isophote.accel.accelerator import Accelerator, Built, blocks_of, padded_slo
 from isophote.accel.crew import crew, ranges
 from isophote.kernels.accel.bsp_build import PART, TASK, grow, root_cell, whole_parts
 from isophote.kernels.accel.bsp_cell import CELL
-from isophote.kernels.accel.bsp_entry import any_in_bsp, closest_in_bsp
+from isophote.kernels.accel.bsp_entry import any_in_bsp, closest_in_bsp, things_in_bsp
 from isophote.kernels.accel.bsp_layout import BSP, KINDS, LEAF, NODE, PLANE, SHIFT, SLANTED
 from isophote.kernels.accel.layout import LANES
 
@@ -150,4 +150,4 @@ def _into_blocks(nodes: IntArray, references: IntArray) -> IntArray:
     return slots
 
 
-BSP_TREE = Accelerator("bsp", _build, closest_in_bsp, any_in_bsp)
+BSP_TREE = Accelerator("bsp", _build, closest_in_bsp, any_in_bsp, things_in_bsp)

@@ -17,7 +17,7 @@ from isophote.kernels.accel.grid_build import (
     slack_for,
     triangle_sums,
 )
-from isophote.kernels.accel.grid_entry import any_in_grid, closest_in_grid
+from isophote.kernels.accel.grid_entry import any_in_grid, closest_in_grid, things_in_grid
 from isophote.kernels.accel.grid_layout import GRID, MOST_LEVELS, NEAR_ORIGINS
 from isophote.kernels.base.table import Packed
 
@@ -211,4 +211,4 @@ def _table(levels: list[_Level], filled: list[_Filled], chosen: list[_Chosen]) -
     return tables, slots
 
 
-GRID_OF_GRIDS = Accelerator("grid", _build, closest_in_grid, any_in_grid)
+GRID_OF_GRIDS = Accelerator("grid", _build, closest_in_grid, any_in_grid, things_in_grid)

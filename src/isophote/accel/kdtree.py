@@ -11,7 +11,7 @@ import numpy.typing as npt
 from isophote.accel.accelerator import Accelerator, Built, blocks_of, padded_slots
 from isophote.accel.crew import Run, crew, ranges
 from isophote.kernels.accel.kd_build import TASK, grow, triangle_events
-from isophote.kernels.accel.kd_entry import any_in_kd, closest_in_kd
+from isophote.kernels.accel.kd_entry import any_in_kd, closest_in_kd, things_in_kd
 from isophote.kernels.accel.kd_layout import KD, LEAF, NODE
 from isophote.kernels.accel.layout import LANES
 
@@ -146,4 +146,4 @@ def _into_blocks(nodes: IntArray, references: IntArray) -> IntArray:
     return slots
 
 
-KDTREE = Accelerator("kdtree", _build, closest_in_kd, any_in_kd)
+KDTREE = Accelerator("kdtree", _build, closest_in_kd, any_in_kd, things_in_kd)

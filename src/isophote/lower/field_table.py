@@ -12,6 +12,7 @@ from isophote.kernels.accel.field_layout import FIELDS, field_scratch_words
 from isophote.kernels.accel.geometry import SCRATCH_WORDS
 from isophote.kernels.base.table import Packed
 from isophote.kernels.forms.interpreters import INTERPRETERS
+from isophote.lower.boxes import no_boxes
 
 if TYPE_CHECKING:
     from isophote.shapes.field.field import Field
@@ -55,6 +56,7 @@ def no_fields() -> Packed:
         data=np.zeros((0, 1), np.int64),
         top_nodes=np.zeros(0, np.float32),
         top_items=np.zeros(0, np.int32),
+        boxes=no_boxes(),
         trace=0,
         surface=0,
         longest=0,

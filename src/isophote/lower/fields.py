@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -12,16 +12,17 @@ from isophote.accel.field_tree import FieldTree, build_field_tree
 from isophote.errors import SceneError
 from isophote.kernels.accel.field_layout import BALL, CHILDREN, FIELDS, FIRST_TAPE, NODE, STRETCH
 from isophote.kernels.accel.field_surface import field_surface
-from isophote.kernels.accel.field_trace import trace_field
+from isophote.kernels.accel.field_trace import test_field, trace_field
 from isophote.kernels.base.table import Packed
 from isophote.kernels.forms.tape_entries import pack_interpreters
+from isophote.lower.boxes import ACCELERATOR, counting_boxes, over_boxes
 from isophote.lower.field_table import FieldPart, endless
-from isophote.lower.placement import repacked, tree_over
+from isophote.lower.placement import repacked
 from isophote.scene.scene import placed_box
 from isophote.shapes.field.evaluate import packed_data
 from isophote.shapes.field.tape import tape_of
 
-__all__ = ["HORIZON", "lower_fields", "moved_fields"]
+__all__ = ["HORIZON", "counting_fields", "lower_fields", "moved_fields"]
 
 Matrix: TypeAlias = npt.NDArray[np.float64]
 Ints: TypeAlias = npt.NDArray[np.int32]
@@ -52,7 +53,9 @@ class _Lowered(NamedTuple):
     detail: float
 
 
-def lower_fields(parts: Sequence[FieldPart], surface: int, around: Matrix, threads: int | None = None) -> Packed:
+def lower_fields(
+    parts: Sequence[FieldPart], surface: int, around: Matrix, threads: int | None = None, accelerator: str = "bvh"
+) -> Packed:
     """The table of all fields; `surface` is the row of the first one's item among the surfaces. Beside its arrays
     stands "horizon", (2, 3): the box in the world within which endless fields are whole, or None where there are none.
 
@@ -69,7 +72,7 @@ def lower_fields(parts: Sequence[FieldPart], surface: int, around: Matrix, threa
             lowered[key] = _lower(part, around, threads)
         one = lowered[key]
         found.append(one._replace(box=placed_box(one.clip, part.matrix)))
-    packed = _packed(parts, found, surface, (trace_field.address, field_surface.address))
+    packed = _packed(parts, found, surface, accelerator)
     return Packed(packed.words, packed.arrays | {"horizon": _horizon(around) if endless(parts) else None})
 
 
@@ -113,7 +116,7 @@ def _finite_box(part: FieldPart, around: Matrix) -> Matrix:
     return np.stack([np.maximum(bounds[0], horizon[0]), np.minimum(bounds[1], horizon[1])])
 
 
-def _packed(parts: Sequence[FieldPart], found: Sequence[_Lowered], surface: int, entries: tuple[int, int]) -> Packed:
+def _packed(parts: Sequence[FieldPart], found: Sequence[_Lowered], surface: int, accelerator: str) -> Packed:
     """All fields in one table; fields that share a tree have it once."""
     rows, tapes, nodes = [np.zeros(0, np.int32)], [np.zeros((0, 2), np.int32)], [np.zeros(0, np.int32)]
     finer = [np.zeros(0, np.int64)]
@@ -148,20 +151,25 @@ def _packed(parts: Sequence[FieldPart], found: Sequence[_Lowered], surface: int,
         to_object=np.array([np.linalg.inv(part.matrix)[:3].reshape(-1) for part in parts]).reshape(-1, 12),
         to_world=np.array([part.matrix[:3].reshape(-1) for part in parts], np.float64).reshape(-1, 12),
         data=data,
-        **_top(boxes),
-        trace=entries[0],
-        surface=entries[1],
+        **_over(boxes, accelerator),
+        trace=trace_field.address,
+        surface=field_surface.address,
         longest=longest,
         interpreters=pack_interpreters(),
     )
     # The words of `data` point at tables that must live as long.
     held = {"tables": tuple(one.data for one in found), _CLIPS: [one.clip for one in found], _BOXES: boxes}
-    return Packed(packed.words, packed.arrays | held)
+    return Packed(packed.words, packed.arrays | held | {ACCELERATOR: accelerator})
 
 
-def _top(boxes: npt.NDArray[np.float32]) -> dict[str, npt.NDArray[np.generic]]:
-    """The tree over the boxes of several fields; a single one needs none."""
-    return tree_over(boxes if len(boxes) > 1 else boxes[:0])
+def _over(boxes: npt.NDArray[np.float32], accelerator: str) -> dict[str, Any]:
+    """The accelerator over the boxes of several fields; a single one needs none."""
+    return over_boxes(accelerator, boxes if len(boxes) > 1 else boxes[:0], test_field)
+
+
+def counting_fields(fields: Packed) -> Packed:
+    """Fields whose rays count what they visit."""
+    return counting_boxes(FIELDS, fields, test_field)
 
 
 def _put(cube: npt.NDArray[np.float32], matrix: Matrix, box: Matrix) -> None:
@@ -181,7 +189,8 @@ def moved_fields(packed: Packed, matrices: Mapping[int, Matrix]) -> Packed:
         _put(cubes[k], matrix, box)
         to_object[k], to_world[k] = np.linalg.inv(matrix)[:3].reshape(-1), matrix[:3].reshape(-1)
         boxes[k] = box
-    return repacked(FIELDS, packed, cubes=cubes, to_object=to_object, to_world=to_world, **_top(boxes))
+    over = _over(boxes, packed.arrays[ACCELERATOR])
+    return repacked(FIELDS, packed, cubes=cubes, to_object=to_object, to_world=to_world, **over)
 
 
 def _moved(nodes: Ints, node: int, tape: int) -> Ints:

@@ -9,12 +9,10 @@ import numpy as np
 import numpy.typing as npt
 
 from isophote.accel.accelerator import Built, accelerator_of
-from isophote.kernels.accel.geometry import GEOMETRY
 from isophote.kernels.accel.layout import BLOCK, CHILD, NODE, WIDTH
-from isophote.kernels.accel.tree_entry import TREE
 from isophote.kernels.base.table import Packed
 
-__all__ = ["counting", "join_objects", "keep_alive"]
+__all__ = ["join_objects", "keep_alive"]
 
 FloatArray: TypeAlias = npt.NDArray[np.float32]
 IntArray: TypeAlias = npt.NDArray[np.int32]
@@ -53,18 +51,6 @@ def join_objects(accelerator: str, objects: Sequence[Built], uses: Sequence[int]
 def keep_alive(geometry: Packed, tables: Sequence[Packed]) -> Packed:
     """`geometry`, with the tables that it names by their addresses."""
     return geometry._replace(arrays={**geometry.arrays, _ALIVE: tables})
-
-
-def counting(geometry: Packed) -> Packed:
-    """A geometry whose rays count what they visit: the same accelerators, all behind entries."""
-    if geometry.arrays["closest"] != 0:
-        return geometry
-    arrays = {name: geometry.arrays[name] for name in GEOMETRY.fields}
-    tables = [TREE.pack(nodes=arrays["nodes"], root=root) for root in arrays["roots"].tolist()]
-    kind = accelerator_of("bvh")
-    arrays["closest"], arrays["any"] = kind.closest.address, kind.any.address
-    arrays["objects"] = np.array([table.words.ctypes.data for table in tables], np.int64)
-    return keep_alive(GEOMETRY.pack(**arrays), tables)
 
 
 def _join_trees(trees: Sequence[FloatArray], first_blocks: npt.NDArray[np.int64]) -> tuple[FloatArray, list[int]]:

@@ -42,11 +42,11 @@ def repacked(table: Table, packed: Packed, **changes: Any) -> Packed:
     return Packed(table.pack(**fields).words, packed.arrays | changes)
 
 
-def tree_over(boxes: FloatArray) -> dict[str, npt.NDArray[Any]]:
+def tree_over(boxes: FloatArray, threads: int | None = None) -> dict[str, npt.NDArray[Any]]:
     """`top_nodes` and `top_items`: the tree over boxes (n, 2, 3); empty where there are none."""
     if len(boxes) == 0:
         return {"top_nodes": np.zeros(0, np.float32), "top_items": np.zeros(0, np.int32)}
-    top = build_boxes(boxes[:, 0], boxes[:, 1])
+    top = build_boxes(boxes[:, 0], boxes[:, 1], threads)
     return {"top_nodes": top.nodes, "top_items": top.blocks.astype(np.int32, copy=False)}
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from isophote.kernels.base.table import Packed
 from isophote.kernels.primitive.layout import PRIMITIVES
+from isophote.lower.boxes import no_boxes
 from isophote.shapes.primitive.primitive import Primitive
 
 __all__ = ["PrimitivePart", "no_primitives", "primitive_of"]
@@ -50,6 +51,8 @@ def no_primitives() -> Packed:
         alone=np.zeros(0, np.int32),
         top_nodes=np.zeros(0, np.float32),
         top_items=np.zeros(0, np.int32),
+        boxes=no_boxes(),
+        boxed=np.zeros(0, np.int32),
         trace=0,
         trace_lanes=0,
         surface=0,

@@ -3,26 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
-from isophote.accel.tree import build_boxes
 from isophote.errors import SceneError
 from isophote.kernels.base.entry import Entry
 from isophote.kernels.base.table import Packed
 from isophote.kernels.primitive import ball, block, flat, outlined, quadratic, ring, ring_lanes, tapered, tube
 from isophote.kernels.primitive.layout import PRIMITIVES
 from isophote.kernels.primitive.surface import primitive_surface
-from isophote.kernels.primitive.trace import trace_primitive
+from isophote.kernels.primitive.trace import test_primitive, trace_primitive
 from isophote.kernels.primitive.trace_lanes import trace_primitive_lanes
+from isophote.lower.boxes import ACCELERATOR, counting_boxes, over_boxes
 from isophote.lower.placement import repacked
 from isophote.lower.primitive_table import PrimitivePart
 from isophote.shapes.primitive.extent import ball_around, box_around
 from isophote.shapes.primitive.primitive import Primitive
 
-__all__ = ["KINDS", "Kind", "lower_primitives", "moved_primitives", "own_numbers"]
+__all__ = ["KINDS", "Kind", "counting_primitives", "lower_primitives", "moved_primitives", "own_numbers"]
 
 Floats: TypeAlias = npt.NDArray[np.float64]
 
@@ -89,8 +89,11 @@ def own_numbers(primitive: Primitive) -> Floats:
     return KINDS[primitive.kind].numbers(primitive.values)
 
 
-def lower_primitives(parts: Sequence[PrimitivePart], surface: int) -> Packed:
-    """The table of all primitives; `surface` is the row of the first one's item among the surfaces.
+def lower_primitives(
+    parts: Sequence[PrimitivePart], surface: int, accelerator: str = "bvh", threads: int | None = None
+) -> Packed:
+    """The table of all primitives, with the accelerator of a name; `surface` is the row of the first one's item among
+    the surfaces.
 
     Raises `SceneError` where one leaves the range of single precision.
     """
@@ -101,7 +104,6 @@ def lower_primitives(parts: Sequence[PrimitivePart], surface: int) -> Packed:
     numbers = [own_numbers(primitive) for primitive in placed]
     first = np.cumsum([0, *map(len, numbers)])[:-1]
     kinds = [KINDS[primitive.kind] for primitive in placed]
-    alone, top = _tree(boxes, finite)
     packed = PRIMITIVES.pack(
         numbers=np.column_stack([surface + np.arange(len(parts)), first]).astype(np.int32),
         entries=np.array([_addresses(kind) for kind in kinds], np.int64),
@@ -109,13 +111,12 @@ def lower_primitives(parts: Sequence[PrimitivePart], surface: int) -> Packed:
         values=np.concatenate(numbers),
         to_object=np.array([np.linalg.inv(primitive.matrix)[:3].reshape(-1) for primitive in placed]),
         to_world=np.array([primitive.matrix[:3].reshape(-1) for primitive in placed]),
-        alone=alone,
-        **top,
+        **_over(boxes, accelerator, threads),
         trace=trace_primitive.address,
         trace_lanes=trace_primitive_lanes.address,
         surface=primitive_surface.address,
     )
-    return Packed(packed.words, packed.arrays | {_BOXES: boxes})
+    return Packed(packed.words, packed.arrays | {_BOXES: boxes, ACCELERATOR: accelerator})
 
 
 def moved_primitives(packed: Packed, moved: Mapping[int, PrimitivePart]) -> Packed:
@@ -128,8 +129,8 @@ def moved_primitives(packed: Packed, moved: Mapping[int, PrimitivePart]) -> Pack
         reach[k] = _reach(part.primitive, boxes[k])
         matrix = part.primitive.matrix
         to_object[k], to_world[k] = np.linalg.inv(matrix)[:3].reshape(-1), matrix[:3].reshape(-1)
-    alone, top = _tree(boxes, np.isfinite(boxes).all(axis=(1, 2)))
-    return repacked(PRIMITIVES, packed, reach=reach, to_object=to_object, to_world=to_world, alone=alone, **top)
+    over = _over(boxes, packed.arrays[ACCELERATOR])
+    return repacked(PRIMITIVES, packed, reach=reach, to_object=to_object, to_world=to_world, **over)
 
 
 def _addresses(kind: Kind) -> tuple[int, int, int]:
@@ -149,19 +150,24 @@ def _check(parts: Sequence[PrimitivePart], boxes: Floats, finite: npt.NDArray[np
         )
 
 
-def _tree(
-    boxes: Floats, finite: npt.NDArray[np.bool_]
-) -> tuple[npt.NDArray[np.int32], dict[str, npt.NDArray[np.generic]]]:
-    """Primitives that stand alone, and the tree over the boxes of the others."""
-    if finite.sum() <= _FEW:
-        none = {"top_nodes": np.zeros(0, np.float32), "top_items": np.zeros(0, np.int32)}
-        return np.arange(len(boxes), dtype=np.int32), dict(none)
-    numbers = np.flatnonzero(finite)
-    slack = _SLACK * np.abs(boxes[finite]).max(axis=(1, 2))[:, None]
-    low, high = boxes[finite, 0] - slack, boxes[finite, 1] + slack
-    tree = build_boxes(low.astype(np.float32), high.astype(np.float32))
-    items = numbers[tree.blocks.astype(np.int64)].astype(np.int32)
-    return np.flatnonzero(~finite).astype(np.int32), {"top_nodes": tree.nodes, "top_items": items}
+def _over(boxes: Floats, accelerator: str, threads: int | None = None) -> dict[str, Any]:
+    """The fields of PRIMITIVES that say which ones stand alone, and those of the accelerator over the others' boxes."""
+    finite = np.isfinite(boxes).all(axis=(1, 2))
+    numbers = np.flatnonzero(finite).astype(np.int32)
+    if len(numbers) <= _FEW:
+        finite, numbers = np.zeros_like(finite), numbers[:0]
+    own = boxes[finite]
+    slack = _SLACK * np.abs(own).max(axis=(1, 2))[:, None]
+    over = over_boxes(accelerator, np.stack([own[:, 0] - slack, own[:, 1] + slack], axis=1), test_primitive, threads)
+    if len(over["top_items"]):
+        # The tree's leaves name primitives themselves.
+        over["top_items"], numbers = numbers[over["top_items"]], np.arange(len(boxes), dtype=np.int32)
+    return {"alone": np.flatnonzero(~finite).astype(np.int32), "boxed": numbers, **over}
+
+
+def counting_primitives(primitives: Packed) -> Packed:
+    """Primitives whose rays count what they visit."""
+    return counting_boxes(PRIMITIVES, primitives, test_primitive)
 
 
 def _reach(primitive: Primitive, box: Floats) -> tuple[float, ...]:

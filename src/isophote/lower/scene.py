@@ -91,14 +91,14 @@ def tables_of(
     labels += [(part.material, part.public, part.light) for part in parts.primitives]
     geometry, surfaces, bounds = lower_geometry(parts.meshes, labels, threads, accelerator)
     finite = _finite_bounds(scene, bounds, parts, around)
-    fields = _fields(parts, finite, threads)
+    fields = _fields(parts, finite, threads, accelerator)
     reach = float(np.linalg.norm(finite[1] - finite[0])) / 2
     material_table, textures = parts.materials.build(lambda: own_spaces(scene.items, surfaces))
     tables = {
         "geometry": geometry,
         "surfaces": surfaces,
         "fields": fields,
-        "primitives": _primitives(parts),
+        "primitives": _primitives(parts, accelerator, threads),
         "materials": material_table,
         "media": lower_media(parts.materials.materials),
         "textures": textures,
@@ -115,21 +115,21 @@ def lights_of(scene: Scene, parts: Parts, reach: float) -> Packed:
     return parts.lights.build(reach)
 
 
-def _fields(parts: Parts, finite: npt.NDArray[np.float64], threads: int | None) -> Packed:
+def _fields(parts: Parts, finite: npt.NDArray[np.float64], threads: int | None, accelerator: str) -> Packed:
     if not parts.fields:
         return no_fields()
     # Loaded where it is needed: pictures of meshes come sooner without.
     from isophote.lower.fields import lower_fields
 
-    return lower_fields(parts.fields, len(parts.meshes), finite, threads)
+    return lower_fields(parts.fields, len(parts.meshes), finite, threads, accelerator)
 
 
-def _primitives(parts: Parts) -> Packed:
+def _primitives(parts: Parts, accelerator: str, threads: int | None) -> Packed:
     if not parts.primitives:
         return no_primitives()
     from isophote.lower.primitives import lower_primitives
 
-    return lower_primitives(parts.primitives, len(parts.meshes) + len(parts.fields))
+    return lower_primitives(parts.primitives, len(parts.meshes) + len(parts.fields), accelerator, threads)
 
 
 def _finite_bounds(

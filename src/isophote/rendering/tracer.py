@@ -13,10 +13,9 @@ from isophote.errors import RenderError
 from isophote.kernels.base.table import Packed
 from isophote.kernels.trace.count import count_rays
 from isophote.kernels.trace.rays import QUERY, closest_rays, describe_hits, occluded_rays
-from isophote.kernels.trace.tables import SCENE
 from isophote.kernels.trace.wave import new_wave
+from isophote.lower.counting import counting
 from isophote.lower.field_table import scratch_words
-from isophote.lower.objects import counting
 from isophote.lower.scene import lower_scene
 from isophote.rendering.method import checked_accelerator
 from isophote.rendering.pool import Pool
@@ -100,9 +99,9 @@ class Hits:
 class Counts(NamedTuple):
     """What n rays visit up to their first hit, (n,) int32 each.
 
-    `nodes`: nodes, cells or planes of the accelerator, leaves among them; `primitives`: triangles that a ray is tested
-    against, as often as it is; `depth`: the deepest level that it reaches, 0 for the root's. Where a scene has
-    instances, nodes and triangles are summed over those whose boxes the ray enters.
+    `nodes`: nodes, cells or planes of the accelerator, leaves among them; `primitives`: triangles, exact primitives and
+    fields that a ray is tested against, as often as it is; `depth`: the deepest level that it reaches, 0 for the
+    root's. Where a scene has instances, nodes and triangles are summed over those whose boxes the ray enters.
     """
 
     nodes: Ints
@@ -164,12 +163,11 @@ class Tracer:
         return blocked.astype(bool)
 
     def count(self, origins: npt.ArrayLike, directions: npt.ArrayLike, max_distance: npt.ArrayLike = np.inf) -> Counts:
-        """What each ray visits up to its first triangle; arguments as for `closest`. Other queries count nothing and
+        """What each ray visits up to its first hit; arguments as for `closest`. Other queries count nothing and
         lose no time by it."""
         rays = self._checked(_rays(origins, directions, max_distance))
         counts = np.zeros((3, len(rays[0])), np.int32)
-        tables = {name: self._scene.arrays[name] for name in SCENE.fields}
-        scene = SCENE.pack(**tables | {"geometry": counting(tables["geometry"])})
+        scene = counting(self._scene)
 
         def kernel(scene_words: _Words, query: _Words, wave: _Words, first: int, last: int, _: bool) -> tuple[int, int]:
             fault: tuple[int, int] = count_rays(scene.words, query, wave, counts, first, last)

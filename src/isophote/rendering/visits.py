@@ -11,10 +11,9 @@ import numpy.typing as npt
 
 from isophote.kernels.base.table import Packed
 from isophote.kernels.trace.count import count_pixels
-from isophote.kernels.trace.tables import SCENE
 from isophote.kernels.trace.wave import new_wave
+from isophote.lower.counting import counting
 from isophote.lower.field_table import scratch_words
-from isophote.lower.objects import counting
 from isophote.lower.scene import lower_scene
 from isophote.rendering.image import Image
 from isophote.rendering.method import Job, Size, checked_accelerator, first_hit_channels
@@ -33,12 +32,12 @@ _COLOURS = np.array([[0, 0, 0.01], [0.05, 0.02, 0.35], [0.45, 0.03, 0.25], [0.95
 
 @attrs.frozen
 class Visits:
-    """What the camera's rays visit on their way to the first triangle, as a heat map.
+    """What the camera's rays visit on their way to what they meet first, as a heat map.
 
-    `count` is what the colours show: "nodes" (nodes, cells or planes of the `accelerator`), "primitives" (triangles
-    tested) or "tree_depth" (the deepest level reached); from black for none to pale yellow for `most`, or for the most
-    that there is. All three are channels, (h, w) float32, beside those of what is seen first. Rays go through the
-    middles of pixels; other methods count nothing and lose no time by it.
+    `count` is what the colours show: "nodes" (nodes, cells or planes of the `accelerator`), "primitives" (triangles,
+    exact primitives and fields tested) or "tree_depth" (the deepest level reached); from black for none to pale yellow
+    for `most`, or for the most that there is. All three are channels, (h, w) float32, beside those of what is seen
+    first. Rays go through the middles of pixels; other methods count nothing and lose no time by it.
     """
 
     accelerator: str = attrs.field(default="bvh", converter=checked_accelerator)
@@ -68,8 +67,7 @@ def _counts(scene: Packed, size: Size, pool: Pool) -> Ints:
     """(3, h, w): nodes, triangles and depth of each pixel's ray."""
     width, height = size
     counts = np.zeros((3, width * height), np.int32)
-    tables = {name: scene.arrays[name] for name in SCENE.fields}
-    counted = SCENE.pack(**tables | {"geometry": counting(tables["geometry"])})
+    counted = counting(scene)
     words = scratch_words(scene.arrays["fields"])
     waves = [new_wave(1, words) for _ in range(pool.threads)]
 

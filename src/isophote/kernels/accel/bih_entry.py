@@ -17,7 +17,6 @@ from isophote.kernels.accel.contract import (
     add_counts,
     answer,
     any_in_blocks,
-    closest_in_blocks,
     nearest_of,
     ray_at,
     ray_direction,
@@ -25,13 +24,14 @@ from isophote.kernels.accel.contract import (
 )
 from isophote.kernels.accel.layout import LANES
 from isophote.kernels.accel.spread import box_interval, spread_of
+from isophote.kernels.accel.things import closest_in_leaf, enough, tested_in_leaf, things_of
 from isophote.kernels.base.atomic import load_acquire
 from isophote.kernels.base.entry import call_entry, entry, floats_at, opener_at
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.simd import load_float, load_int, store_float, store_int
 from isophote.kernels.forms.triangle import shear
 
-__all__ = ["any_in_bih", "closest_in_bih"]
+__all__ = ["any_in_bih", "closest_in_bih", "things_in_bih"]
 
 open_bih = opener_at(BIH)
 
@@ -128,9 +128,9 @@ def _next_waiting(words, top, limit):
     return _Place(-_ONE, np.int64(0), limit, limit, top, -_ONE)
 
 
-@entry
-def closest_in_bih(tables, blocks, ray):
-    tree, words = open_bih(tables), ray_at(ray)
+@device
+def _closest(tables, blocks, words, things):
+    tree = open_bih(tables)
     triangles = floats_at(blocks, _MOST_BLOCK_WORDS)
     sheared = shear(ray_origin(words), ray_direction(words))
     nearest = nearest_of(words)
@@ -147,11 +147,24 @@ def closest_in_bih(tables, blocks, ray):
         deepest = max(deepest, place.level)
         if place.block >= 0:
             count = min(_LANES, tree.count - place.block * _LANES)
-            tested += count
-            nearest = closest_in_blocks(triangles, place.block, count, sheared, nearest, words)
+            tested += tested_in_leaf(count, things)
+            nearest = closest_in_leaf(triangles, place.block, count, sheared, things, nearest, words)
+            if enough(things, nearest):
+                break
         place = _next_waiting(words, place.top, nearest.t)
     add_counts(words, visited, tested, deepest)
     return answer(words, nearest)
+
+
+@entry
+def closest_in_bih(tables, blocks, ray):
+    return _closest(tables, blocks, ray_at(ray), None)
+
+
+@entry
+def things_in_bih(tables, blocks, ray, test, subject, any_will_do):
+    words, reach = ray_at(ray), open_bih(tables).reach
+    return _closest(tables, blocks, words, things_of(ray, words, reach, test, subject, any_will_do))
 
 
 @entry

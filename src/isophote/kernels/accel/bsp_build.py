@@ -11,7 +11,7 @@ import numpy as np
 from isophote.kernels.accel.bsp_cell import CELL, CELL_WORK, cut_cell, start_cell
 from isophote.kernels.accel.bsp_layout import LEAF, PLANE, SHIFT, SLANTED, TOLERANCE
 from isophote.kernels.accel.bsp_planes import MOST_DIRECTIONS, MOST_PICKED, PROFILE, best_plane, no_plane
-from isophote.kernels.accel.bsp_polygon import MOST_CORNERS, cut_polygon, extent_along
+from isophote.kernels.accel.bsp_polygon import MOST_CORNERS, cut_box, cut_polygon, extent_along, is_boxed
 from isophote.kernels.accel.kd_sweep import leaf_cost
 from isophote.kernels.base.jit import device, kernel
 from isophote.kernels.base.simd import store_float, store_int
@@ -64,9 +64,11 @@ def _parts_of_side(arena, first, count, choice, side, tolerance, target, to):
         on = _side(low, high, tolerance, choice.planar_low)
         if on & side != 0:
             left = np.int64(0)
-            if on == _BOTH:
+            if on == _BOTH and not is_boxed(arena, at + 2, corners):
                 left = cut_polygon(choice.plane, sign, arena, at + 2, corners, target, to + 2)
-            # Too many corners: the part stays as it is, which is more than is needed.
+            elif on == _BOTH and choice.plane.kind < SLANTED:
+                left = cut_box(choice.plane, sign, arena, at + 2, target, to + 2)
+            # Too many corners, or a box cut askew: the part stays as it is, which is more than is needed.
             if left == 0 or left > MOST_CORNERS:
                 left = corners
                 for k in range(3 * corners):

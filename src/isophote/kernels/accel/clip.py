@@ -1,5 +1,9 @@
 """Triangles cut to boxes, in double precision: how far of a triangle lies in a box.
 
+A triangle whose second and third corner are one and the same bounds nothing but a line, and no ray meets it. In all
+builders it stands for the box of which its ends are opposite corners: so other things than triangles come by
+(things.py).
+
 Sutherland, Hodgman: "Reentrant Polygon Clipping", CACM 17(1), 1974. A triangle has at most nine corners after six
 planes.
 """
@@ -10,7 +14,7 @@ import numpy as np
 
 from isophote.kernels.base.jit import device
 
-__all__ = ["CLIP_WORDS", "clip_extent", "round_down", "round_up"]
+__all__ = ["CLIP_WORDS", "clip_extent", "is_box", "round_down", "round_up"]
 
 _CORNERS = 10
 # Float64 words of work.
@@ -19,6 +23,24 @@ CLIP_WORDS = 2 * 3 * _CORNERS
 _ULP = 2.0**-23
 _LEAST = 2.0**-149
 _LARGEST = np.float64(np.finfo(np.float32).max)
+
+
+@device
+def is_box(triangles, triangle):
+    """Whether a triangle stands for a box."""
+    return triangles[3 * triangle + 1] == triangles[3 * triangle + 2]
+
+
+@device
+def _clip_box(positions, triangles, triangle, box, extent):
+    """As clip_extent, of a box."""
+    a, b = 3 * np.int64(triangles[3 * triangle]), 3 * np.int64(triangles[3 * triangle + 1])
+    for k in range(3):
+        low, high = min(positions[a + k], positions[b + k]), max(positions[a + k], positions[b + k])
+        extent[k], extent[k + 3] = max(low, box[k]), min(high, box[k + 3])
+        if extent[k] > extent[k + 3]:
+            return False
+    return True
 
 
 @device
@@ -61,6 +83,8 @@ def clip_extent(positions, triangles, triangle, box, work, extent):
     Writes them to `extent`, six float32 that hold at least that part and do not leave the box; returns whether there is
     such a part. `box` holds float32 numbers; `work` has CLIP_WORDS float64.
     """
+    if is_box(triangles, triangle):
+        return _clip_box(positions, triangles, triangle, box, extent)
     for corner in range(3):
         vertex = 3 * np.int64(triangles[3 * triangle + corner])
         for k in range(3):

@@ -16,6 +16,7 @@ child with a node of its own these are the children that are not EMPTY; rays nee
 from __future__ import annotations
 
 from isophote.kernels.accel.layout import STACK, WIDTH
+from isophote.kernels.accel.things import BOXES
 from isophote.kernels.base.table import DOUBLE_BOXES, FLOAT_ROWS, FLOATS, INT, INT_ROWS, INTS, LONG_ROWS, LONGS, Table
 from isophote.kernels.forms.interpreters import INTERPRETERS
 from isophote.kernels.forms.opcodes import INPUTS
@@ -80,8 +81,9 @@ CELLS, SIDE, LOW, HIGH, STRETCH, SHORTEST, DETAIL, BALL = 0, 3, 4, 7, 10, 11, 12
 # `rows`: all tapes, one after another. `tapes` (t, 2): first row and number of rows of each. `nodes`, `finer`: all
 # trees. `numbers` (n, 5), `cubes` (n, 17): columns above. `to_object`, `to_world` (n, 12): rows of affine 3 × 4
 # matrices. `data` (n, words): packed FIELD_DATA of each. `top_nodes`, `top_items`: tree over the boxes of the fields in
-# the world. `trace`, `surface`: addresses of the entries that answer for fields (field_trace.py, field_surface.py).
-# `longest`: rows of the longest tape. `interpreters`: addresses of what runs tapes.
+# the world, where there are several, or `boxes`, another accelerator over them (things.py). `trace`, `surface`:
+# addresses of the entries that answer for fields (field_trace.py, field_surface.py). `longest`: rows of the longest
+# tape. `interpreters`: addresses of what runs tapes.
 FIELDS = Table(
     "Fields",
     rows=INTS,
@@ -95,6 +97,7 @@ FIELDS = Table(
     data=LONG_ROWS,
     top_nodes=FLOATS,
     top_items=INTS,
+    boxes=BOXES,
     trace=INT,
     surface=INT,
     longest=INT,

@@ -13,11 +13,13 @@ from typing import NamedTuple
 import numpy as np
 
 from isophote.kernels.accel import field_layout as layout
+from isophote.kernels.accel.contract import LIMIT, RAY_WORDS, ray_at, ray_direction, ray_origin
 from isophote.kernels.accel.field_cells import cells_met, mirrored
 from isophote.kernels.accel.field_layout import CHILDREN, FIELDS, FIRST_TAPE, INSIDE, NODE
 from isophote.kernels.accel.field_march import Line, affine_doubles, first_crossing, slots_at, tape_at
 from isophote.kernels.accel.geometry import push_boxes
 from isophote.kernels.accel.layout import STACK
+from isophote.kernels.accel.things import ask_boxes
 from isophote.kernels.base.entry import entry, floats_at, ints_at, opener_at
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.long_words import highest_bit, load_long, lowest_bit, store_long
@@ -25,7 +27,7 @@ from isophote.kernels.base.simd import load_float, load_int, store_float, store_
 from isophote.kernels.base.vec import dot, vec3
 from isophote.kernels.forms.field_data import open_field_data
 
-__all__ = ["trace_field"]
+__all__ = ["test_field", "trace_field"]
 
 _ZERO, _ONE = np.float32(0), np.float32(1)
 _NOTHING, _DOUBLE_ONE = 0.0, 1.0
@@ -37,7 +39,7 @@ _NO_AXIS, _X, _Y, _Z = np.int64(0), np.int64(3), np.int64(12), np.int64(48)
 # Words of a level: its cells, and behind them the node.
 _LEAVES, _KEPT, _LEVEL_WORDS = (np.int64(n) for n in (layout.LEAVES_AT, layout.KEPT_AT, layout.LEVEL_WORDS))
 _BALL_SLACK = np.float32(1 - 2.0**-18)
-_NONE, _WORD = np.int64(-1), np.int64(4)
+_NONE, _WORD, _FIELD_BITS = np.int64(-1), np.int64(4), np.int64(32)
 
 open_fields_at = opener_at(FIELDS)
 
@@ -230,8 +232,21 @@ def _passes_by(fields, k, origin, direction):
 
 
 @device
-def _first_field(fields, origin, direction, t_max, any_hit, stack, slots, places, choices, cells):
+def _meet_field(fields, k, origin, direction, t_max, any_hit, scratch):
+    """(t, number of the tape) where a ray first meets field `k`; −1 for nowhere. `scratch` is its address."""
+    if _passes_by(fields, k, origin, direction):
+        return t_max, _NONE
+    places = floats_at(scratch + _WORD * layout.PLACES_AT, np.int64(layout.PLACES_WORDS))
+    cells = floats_at(scratch + _WORD * layout.CELLS_AT, np.int64(layout.CELLS_WORDS))
+    choices = ints_at(scratch + _WORD * layout.CHOICES_AT, fields.longest)
+    slots = slots_at(fields, scratch)
+    return _through_field(fields, k, origin, direction, t_max, any_hit, slots, places, choices, cells)
+
+
+@device
+def _first_in_tree(fields, origin, direction, t_max, any_hit, scratch):
     """(t, field, number of the tape) of what a ray meets first; tape −1 for nothing."""
+    stack = floats_at(scratch + _WORD * layout.STACK_AT, np.int64(layout.STACK_WORDS))
     field, tape = np.int64(0), _NONE
     many = fields.top_nodes.rows > 0
     # As closest_hit goes through instances.
@@ -245,9 +260,7 @@ def _first_field(fields, origin, direction, t_max, any_hit, stack, slots, places
             first = code >> 3
             for at in range(first, first + (code & 7)):
                 k = np.int64(fields.top_items[at]) if many else np.int64(0)
-                if _passes_by(fields, k, origin, direction):
-                    continue
-                t, met = _through_field(fields, k, origin, direction, t_max, any_hit, slots, places, choices, cells)
+                t, met = _meet_field(fields, k, origin, direction, t_max, any_hit, scratch)
                 if met >= 0:
                     t_max, field, tape = t, k, met
                     if any_hit:
@@ -269,14 +282,28 @@ def trace_field(fields_address, scratch_address):
     """
     fields = open_fields_at(fields_address)
     ray = floats_at(scratch_address, np.int64(layout.RAY_WORDS))
-    stack = floats_at(scratch_address + _WORD * layout.STACK_AT, np.int64(layout.STACK_WORDS))
-    places = floats_at(scratch_address + _WORD * layout.PLACES_AT, np.int64(layout.PLACES_WORDS))
-    cells = floats_at(scratch_address + _WORD * layout.CELLS_AT, np.int64(layout.CELLS_WORDS))
-    choices = ints_at(scratch_address + _WORD * layout.CHOICES_AT, fields.longest)
-    slots = slots_at(fields, scratch_address)
-    origin, direction = vec3(ray[0], ray[1], ray[2]), vec3(ray[3], ray[4], ray[5])
-    t, field, tape = _first_field(
-        fields, origin, direction, ray[6], ray[7] != _ZERO, stack, slots, places, choices, cells
-    )
+    origin, direction, any_hit = vec3(ray[0], ray[1], ray[2]), vec3(ray[3], ray[4], ray[5]), ray[7] != _ZERO
+    if fields.boxes.things != 0:
+        # The words of a ray for accelerators are the last before the entry's.
+        words = scratch_address - _WORD * RAY_WORDS
+        t, code = ask_boxes(fields.boxes, fields_address, origin, direction, ray[6], np.int64(any_hit), words)
+        ray[6] = t
+        return code
+    t, field, tape = _first_in_tree(fields, origin, direction, ray[6], any_hit, scratch_address)
     ray[6] = t
-    return (field << np.int64(32)) + tape if tape >= 0 else _NONE
+    return (field << _FIELD_BITS) + tape if tape >= 0 else _NONE
+
+
+@entry
+def test_field(fields_address, ray_address, field):
+    """What a ray for an accelerator meets of a field (things.py); codes as of trace_field.
+
+    The ray's words lie where they do in a scratch."""
+    fields, words = open_fields_at(fields_address), ray_at(ray_address)
+    scratch = ray_address + _WORD * RAY_WORDS
+    limit, any_hit = load_float(words, LIMIT), floats_at(scratch, np.int64(layout.RAY_WORDS))[7] != _ZERO
+    t, tape = _meet_field(fields, field, ray_origin(words), ray_direction(words), limit, any_hit, scratch)
+    if tape < 0:
+        return _NONE
+    store_float(words, LIMIT, t)
+    return (field << _FIELD_BITS) + tape

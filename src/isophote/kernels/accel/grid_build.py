@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from isophote.kernels.accel.clip import CLIP_WORDS, clip_extent, round_down, round_up
+from isophote.kernels.accel.clip import CLIP_WORDS, clip_extent, is_box, round_down, round_up
 from isophote.kernels.accel.grid_layout import NEAR, NEAR_ORIGINS, ROUNDING
 from isophote.kernels.accel.overlap import OVERLAP_WORDS, overlaps, prepare_overlap
 from isophote.kernels.base.jit import device, kernel
@@ -102,7 +102,9 @@ def triangle_sums(positions, triangles, begin, end, sums):
             u, v = (axis + 1) % 3, (axis + 2) % 3
             u1, v1 = corners[3 + u] - corners[u], corners[3 + v] - corners[v]
             u2, v2 = corners[6 + u] - corners[u], corners[6 + v] - corners[v]
-            sums[axis + 3] += 0.5 * abs(u1 * v2 - u2 * v1)
+            # A box fills what its diagonal spans.
+            boxed = is_box(triangles, triangle)
+            sums[axis + 3] += abs(u1 * v1) if boxed else 0.5 * abs(u1 * v2 - u2 * v1)
 
 
 @device
@@ -168,6 +170,16 @@ def _place(triangle, frame, shape, low, high, corners, half, work, cursors, fill
                     _drop(cursors, filled, cell, triangle)
 
 
+@device
+def _place_box(triangle, shape, low, high, cursors, filled):
+    """As _place, of a box: it overlaps all these cells."""
+    for z in range(low[2], high[2] + 1):
+        for y in range(low[1], high[1] + 1):
+            first = shape[3] + (z * shape[1] + y) * shape[0]
+            for cell in range(first + low[0], first + high[0] + 1):
+                _drop(cursors, filled, cell, triangle)
+
+
 @kernel
 def slack_for(extent, reach):
     """The slack of a grid of a largest extent, whose triangles' corners lie within `reach` of its middle."""
@@ -214,6 +226,8 @@ def place_triangles(positions, triangles, references, frames, shapes, jobs, begi
             if low[0] == high[0] and low[1] == high[1] and low[2] == high[2]:
                 cell = shape[3] + (low[2] * shape[1] + low[1]) * shape[0] + low[0]
                 _drop(cursors, filled, cell, triangle)
+            elif low[2] <= high[2] and is_box(triangles, triangle):
+                _place_box(triangle, shape, low, high, cursors, filled)
             elif low[2] <= high[2]:
                 _place(triangle, frame, shape, low, high, corners, half, work, cursors, filled)
 
@@ -229,12 +243,13 @@ def _sums_in_cell(positions, triangles, references, first, last, box, work, exte
         y = np.float64(extent[4]) - np.float64(extent[1])
         z = np.float64(extent[5]) - np.float64(extent[2])
         # Of a box's side, a triangle's part seldom covers more than half.
+        covered = 1.0 if is_box(triangles, np.int64(references[k])) else 0.5
         sums[0] += x
         sums[1] += y
         sums[2] += z
-        sums[3] += 0.5 * y * z
-        sums[4] += 0.5 * z * x
-        sums[5] += 0.5 * x * y
+        sums[3] += covered * y * z
+        sums[4] += covered * z * x
+        sums[5] += covered * x * y
 
 
 @kernel

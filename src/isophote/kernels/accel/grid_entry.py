@@ -16,21 +16,21 @@ from isophote.kernels.accel.contract import (
     Nearest,
     add_counts,
     answer,
-    closest_in_blocks,
     nearest_of,
     ray_at,
     ray_direction,
     ray_origin,
 )
 from isophote.kernels.accel.grid_far import FarWalk, begin_far, is_far, next_far, resume_far
-from isophote.kernels.accel.grid_layout import GRID, MOST_LEVELS
+from isophote.kernels.accel.grid_layout import GRID, MOST_LEVELS, SIZE
 from isophote.kernels.accel.grid_walk import Walk, Way, course_of, enter, place_in, step, walk_from
+from isophote.kernels.accel.things import closest_in_leaf, tested_in_leaf, things_of
 from isophote.kernels.base.entry import entry, floats_at, opener_at
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.simd import load_float, load_int, store_float, store_int
 from isophote.kernels.forms.triangle import shear
 
-__all__ = ["any_in_grid", "closest_in_grid"]
+__all__ = ["any_in_grid", "closest_in_grid", "things_in_grid"]
 
 open_grid = opener_at(GRID)
 
@@ -145,11 +145,11 @@ class _Test(NamedTuple):
 
 
 @device
-def _test_list(grid, code, triangles, sheared, words, test):
-    """Test the ray against the triangles of a list, four at a time."""
+def _test_list(grid, code, blocks, sheared, things, words, test):
+    """Test the ray against what is in a list, four at a time."""
     first, count = np.int64(grid.lists[code, 0]), np.int64(grid.lists[code, 1])
-    nearest = closest_in_blocks(triangles, first, count, sheared, test.nearest, words)
-    return _Test(nearest, test.tested + count)
+    nearest = closest_in_leaf(blocks, first, count, sheared, things, test.nearest, words)
+    return _Test(nearest, test.tested + tested_in_leaf(count, things))
 
 
 @device
@@ -175,8 +175,8 @@ def _onward(grid, words, course, state, limit):
 
 
 @device
-def _trace(grid, triangles, words, any_will_do):
-    """The nearest triangle, or the first that is met where any will do."""
+def _trace(grid, blocks, words, things, any_will_do):
+    """The nearest triangle, or thing, or the first that is met where any will do."""
     origin, direction = ray_origin(words), ray_direction(words)
     sheared, course = shear(origin, direction), course_of(origin, direction)
     cells, frames, shapes = grid.cells, grid.frames, grid.shapes
@@ -188,7 +188,7 @@ def _trace(grid, triangles, words, any_will_do):
     while cell >= 0:
         code = np.int64(cells[cell])
         if code > 0:
-            test = _test_list(grid, code, triangles, sheared, words, test)
+            test = _test_list(grid, code, blocks, sheared, things, words, test)
             if any_will_do and test.nearest.slot >= 0:
                 break
         elif code < 0:
@@ -217,10 +217,27 @@ def _trace(grid, triangles, words, any_will_do):
 @entry
 def closest_in_grid(tables, blocks, ray):
     grid, words = open_grid(tables), ray_at(ray)
-    return answer(words, _trace(grid, floats_at(blocks, _MOST_BLOCK_WORDS), words, False))
+    return answer(words, _trace(grid, floats_at(blocks, _MOST_BLOCK_WORDS), words, None, False))
 
 
 @entry
 def any_in_grid(tables, blocks, ray):
     grid, words = open_grid(tables), ray_at(ray)
-    return np.int64(_trace(grid, floats_at(blocks, _MOST_BLOCK_WORDS), words, True).slot >= 0)
+    return np.int64(_trace(grid, floats_at(blocks, _MOST_BLOCK_WORDS), words, None, True).slot >= 0)
+
+
+@device
+def _reach(frames, shapes):
+    """The largest size of a coordinate in the outermost grid."""
+    reach = 0.0
+    for axis in range(3):
+        low = frames[_ROOT, axis]
+        reach = max(reach, max(abs(low), abs(low + shapes[_ROOT, axis] * frames[_ROOT, SIZE + axis])))
+    return np.float32(reach)
+
+
+@entry
+def things_in_grid(tables, blocks, ray, test, subject, any_will_do):
+    grid, words = open_grid(tables), ray_at(ray)
+    things = things_of(ray, words, _reach(grid.frames, grid.shapes), test, subject, any_will_do)
+    return answer(words, _trace(grid, floats_at(blocks, _MOST_BLOCK_WORDS), words, things, any_will_do != 0))

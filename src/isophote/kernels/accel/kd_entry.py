@@ -17,7 +17,6 @@ from isophote.kernels.accel.contract import (
     add_counts,
     answer,
     any_in_blocks,
-    closest_in_blocks,
     nearest_of,
     ray_at,
     ray_direction,
@@ -25,12 +24,13 @@ from isophote.kernels.accel.contract import (
 )
 from isophote.kernels.accel.kd_layout import KD, LEAF
 from isophote.kernels.accel.spread import box_interval, spread_of
+from isophote.kernels.accel.things import closest_in_leaf, enough, tested_in_leaf, things_of
 from isophote.kernels.base.entry import entry, floats_at, opener_at
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.simd import load_float, load_int, store_float, store_int
 from isophote.kernels.forms.triangle import shear
 
-__all__ = ["any_in_kd", "closest_in_kd"]
+__all__ = ["any_in_kd", "closest_in_kd", "things_in_kd"]
 
 open_kd = opener_at(KD)
 
@@ -108,9 +108,8 @@ def _next_waiting(words, top, limit):
     return _Place(-_ONE, np.int64(0), limit, limit, top)
 
 
-@entry
-def closest_in_kd(tables, blocks, ray):
-    tree, words = open_kd(tables), ray_at(ray)
+@device
+def _closest(tree, blocks, words, things):
     triangles, nodes = floats_at(blocks, _MOST_BLOCK_WORDS), tree.nodes
     sheared = shear(ray_origin(words), ray_direction(words))
     nearest = nearest_of(words)
@@ -123,12 +122,25 @@ def closest_in_kd(tables, blocks, ray):
         deepest = max(deepest, place.level)
         count = np.int64(load_int(nodes, 2 * place.node + 1)) >> 2
         if count > 0:
-            tested += count
+            tested += tested_in_leaf(count, things)
             first = np.int64(load_int(nodes, 2 * place.node))
-            nearest = closest_in_blocks(triangles, first, count, sheared, nearest, words)
+            nearest = closest_in_leaf(triangles, first, count, sheared, things, nearest, words)
+            if enough(things, nearest):
+                break
         place = _next_waiting(words, place.top, nearest.t)
     add_counts(words, visited, tested, deepest)
     return answer(words, nearest)
+
+
+@entry
+def closest_in_kd(tables, blocks, ray):
+    return _closest(open_kd(tables), blocks, ray_at(ray), None)
+
+
+@entry
+def things_in_kd(tables, blocks, ray, test, subject, any_will_do):
+    tree, words = open_kd(tables), ray_at(ray)
+    return _closest(tree, blocks, words, things_of(ray, words, tree.reach, test, subject, any_will_do))
 
 
 @entry

@@ -21,13 +21,14 @@ from isophote.kernels.accel.contract import (
     ray_origin,
 )
 from isophote.kernels.accel.layout import BLOCK, CHILD, LANES, NODE, NUMBER, REACH
-from isophote.kernels.base.entry import entry, floats_at, opener_at
+from isophote.kernels.accel.things import enough, test_thing, things_of
+from isophote.kernels.base.entry import entry, floats_at, ints_at, opener_at
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.simd import load_float, load_int, lowest_bit, store8, store_float, store_int
 from isophote.kernels.base.table import FLOATS, INT, Table
 from isophote.kernels.forms.triangle import shear
 
-__all__ = ["TREE", "any_in_tree", "closest_in_tree"]
+__all__ = ["TREE", "any_in_tree", "closest_in_tree", "things_in_tree"]
 
 # `nodes`, and the number of the `root` among them.
 TREE = Table("Tree", nodes=FLOATS, root=INT)
@@ -136,3 +137,36 @@ def any_in_tree(tables, blocks, ray):
             met = np.int64(any_in_blocks(triangles, first, count, sheared, limit))
     add_counts(words, visited, tested, deepest)
     return met
+
+
+@entry
+def things_in_tree(tables, items, ray, test, subject, any_will_do):
+    """Over boxes: `items` is the address of the numbers of things, int32, of which leaves name a range."""
+    tree, words = open_tree(tables), ray_at(ray)
+    numbers = ints_at(items, _MOST_BLOCK_WORDS)
+    box = slabs(ray_origin(words), ray_direction(words), _reach_of(tree))
+    things, nearest = things_of(ray, words, _reach_of(tree), test, subject, any_will_do), nearest_of(words)
+    visited, deepest, level = np.int64(0), np.int64(0), np.int64(0)
+    top = _STACK
+    node = np.int32(tree.root)
+    while True:
+        visited += 1
+        deepest = max(deepest, level)
+        if node >= 0:
+            top = _push_children(tree.nodes, node, box, nearest.t, level + 1, words, top)
+        else:
+            code = np.int64(-1) - np.int64(node)
+            first = code >> 3
+            for at in range(first, first + (code & 7)):
+                nearest = test_thing(numbers[at], things, nearest, words)
+                if enough(things, nearest):
+                    top = _STACK
+                    break
+        while True:
+            if top == _STACK:
+                add_counts(words, visited, np.int64(0), deepest)
+                return answer(words, nearest)
+            top -= _ENTRY
+            if load_float(words, top) < nearest.t:
+                node, level = load_int(words, top + 1), np.int64(load_int(words, top + 2))
+                break

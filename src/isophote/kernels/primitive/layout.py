@@ -18,6 +18,7 @@ its address.
 from __future__ import annotations
 
 from isophote.kernels.accel.layout import STACK, WIDTH
+from isophote.kernels.accel.things import BOXES
 from isophote.kernels.base.doubles import DOUBLES
 from isophote.kernels.base.table import DOUBLE_BOXES, FLOAT_ROWS, FLOATS, INT, INT_ROWS, INTS, LONG_ROWS, Table
 from isophote.kernels.primitive.lanes import LANES
@@ -74,8 +75,10 @@ BALL, ERROR, STRETCH = 0, 4, 5
 
 # `numbers` (n, 2), `entries` (n, 3), `reach` (n, 6): columns above. `values`: numbers of all primitives' own.
 # `to_object`, `to_world` (n, 12): rows of affine 3 × 4 matrices. `alone`: primitives that every ray asks, because they
-# are endless or there are few. `top_nodes`, `top_items`: tree over the boxes of the others in the world. `trace`,
-# `trace_lanes`, `surface`: addresses of the entries that answer for all (trace.py, trace_lanes.py, surface.py).
+# are endless or there are few. `top_nodes`, `top_items`: tree over the boxes of the others in the world, which `trace`
+# goes through itself, unless `boxes` is another accelerator over them (accel/things.py), of which `boxed` tells the
+# primitive of each box. `trace`, `trace_lanes`, `surface`: addresses of the entries that answer for all (trace.py,
+# trace_lanes.py, surface.py).
 PRIMITIVES = Table(
     "Primitives",
     numbers=INT_ROWS,
@@ -87,6 +90,8 @@ PRIMITIVES = Table(
     alone=INTS,
     top_nodes=FLOATS,
     top_items=INTS,
+    boxes=BOXES,
+    boxed=INTS,
     trace=INT,
     trace_lanes=INT,
     surface=INT,

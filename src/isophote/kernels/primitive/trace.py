@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import numpy as np
 
-from isophote.kernels.accel.geometry import push_boxes
+from isophote.kernels.accel.contract import LIMIT, ray_at, ray_direction, ray_origin
+from isophote.kernels.accel.geometry import RAY, push_boxes
 from isophote.kernels.accel.layout import STACK
+from isophote.kernels.accel.things import ask_boxes
 from isophote.kernels.base.doubles import doubles_at
-from isophote.kernels.base.entry import call_entry, element_address, entry, floats_at, opener_at
+from isophote.kernels.base.entry import call_entry, element_address, entry, floats_at, opener_at, table_address
 from isophote.kernels.base.jit import device
-from isophote.kernels.base.simd import load_float, load_int
+from isophote.kernels.base.simd import load_float, load_int, store_float
 from isophote.kernels.base.vec import dot, vec3
 from isophote.kernels.primitive import layout
 from isophote.kernels.primitive.layout import PRIMITIVES
 from isophote.kernels.primitive.line import placed
 
-__all__ = ["first_in_tree", "meet_primitive", "passes_by", "trace_primitive"]
+__all__ = ["first_in_boxes", "test_primitive", "trace_primitive"]
 
 _ZERO = np.float32(0)
 _NOTHING, _ONE = 0.0, 1.0
@@ -70,10 +72,7 @@ def _first_alone(primitives, origin, direction, t_max, any_hit, line):
 
 
 @device
-def first_in_tree(primitives, origin, direction, t_max, found, any_hit, stack, line):
-    """(t, code) of what a ray meets first in the tree, or what was found before."""
-    if primitives.top_nodes.rows == 0:
-        return t_max, found
+def _first_in_tree(primitives, origin, direction, t_max, found, any_hit, stack, line):
     # As closest_hit goes through instances.
     top, node = np.int64(0), np.int32(0)
     while True:
@@ -98,6 +97,37 @@ def first_in_tree(primitives, origin, direction, t_max, found, any_hit, stack, l
                 break
 
 
+@device
+def first_in_boxes(primitives, origin, direction, t_max, found, any_hit, scratch_address):
+    """(t, code) of what a ray meets first of the primitives with boxes, or what was found before."""
+    if primitives.boxes.things != 0:
+        ray, any_will_do = scratch_address + _WORD * RAY, np.int64(any_hit)
+        t, code = ask_boxes(primitives.boxes, table_address(primitives), origin, direction, t_max, any_will_do, ray)
+        return (t, code) if code >= 0 else (t_max, found)
+    if primitives.top_nodes.rows == 0:
+        return t_max, found
+    line = doubles_at(scratch_address + _WORD * layout.LINE_AT, np.int64(layout.WORDS))
+    stack = floats_at(scratch_address + _WORD * layout.STACK_AT, np.int64(layout.STACK_WORDS))
+    return _first_in_tree(primitives, origin, direction, t_max, found, any_hit, stack, line)
+
+
+@entry
+def test_primitive(primitives_address, ray_address, box):
+    """What a ray for an accelerator meets of the primitive in a box (accel/things.py); codes as of trace_primitive.
+
+    The ray's words lie where they do in a scratch."""
+    primitives, words = open_primitives_at(primitives_address), ray_at(ray_address)
+    line = doubles_at(ray_address + _WORD * (layout.LINE_AT - RAY), np.int64(layout.WORDS))
+    k, origin, direction = np.int64(primitives.boxed[box]), ray_origin(words), ray_direction(words)
+    if passes_by(primitives, k, origin, direction):
+        return _NONE
+    t, part = meet_primitive(primitives, k, origin, direction, load_float(words, LIMIT), line)
+    if part < 0:
+        return _NONE
+    store_float(words, LIMIT, t)
+    return (k << _PART_BITS) + part
+
+
 @entry
 def trace_primitive(primitives_address, scratch_address):
     """The first primitive that a ray meets before its limit, as a code: primitive · 2⁴ + part of its surface, or −1.
@@ -107,11 +137,10 @@ def trace_primitive(primitives_address, scratch_address):
     primitives = open_primitives_at(primitives_address)
     ray = floats_at(scratch_address, np.int64(layout.RAY_WORDS))
     line = doubles_at(scratch_address + _WORD * layout.LINE_AT, np.int64(layout.WORDS))
-    stack = floats_at(scratch_address + _WORD * layout.STACK_AT, np.int64(layout.STACK_WORDS))
     origin, direction = vec3(ray[0], ray[1], ray[2]), vec3(ray[3], ray[4], ray[5])
     any_hit = ray[7] != _ZERO
     t, found = _first_alone(primitives, origin, direction, ray[6], any_hit, line)
     if found < 0 or not any_hit:
-        t, found = first_in_tree(primitives, origin, direction, t, found, any_hit, stack, line)
+        t, found = first_in_boxes(primitives, origin, direction, t, found, any_hit, scratch_address)
     ray[6] = t
     return found

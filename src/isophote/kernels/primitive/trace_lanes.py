@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from isophote.kernels.base.doubles import doubles_at
-from isophote.kernels.base.entry import call_entry, element_address, entry, floats_at, opener_at
+from isophote.kernels.base.entry import call_entry, element_address, entry, opener_at
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.vec import vec3
 from isophote.kernels.primitive import layout
 from isophote.kernels.primitive.lanes import BLOCK_DOUBLES, HIGH, LANES, PART, T, U, V, W, X, Y, Z, chosen
 from isophote.kernels.primitive.layout import PRIMITIVES
-from isophote.kernels.primitive.trace import first_in_tree
+from isophote.kernels.primitive.trace import first_in_boxes
 
 __all__ = ["trace_primitive_lanes"]
 
@@ -84,8 +84,7 @@ def trace_primitive_lanes(primitives_address, scratch_address):
         rays[PART + i] = _NONE
     for i in range(primitives.alone.rows):
         _meet_alone(primitives, np.int64(primitives.alone[i]), rays, block, line)
-    if primitives.top_nodes.rows > 0:
-        stack = floats_at(scratch_address + _WORD * layout.STACK_AT, np.int64(layout.STACK_WORDS))
+    if primitives.top_nodes.rows > 0 or primitives.boxes.things != 0:
         for i in range(LANES):
             if rays[T + i] > _NOTHING:
                 origin, direction = (
@@ -93,6 +92,6 @@ def trace_primitive_lanes(primitives_address, scratch_address):
                     vec3(rays[U + i], rays[V + i], rays[W + i]),
                 )
                 limit, code = np.float32(rays[T + i]), np.int64(rays[PART + i])
-                t, code = first_in_tree(primitives, origin, direction, limit, code, False, stack, line)
+                t, code = first_in_boxes(primitives, origin, direction, limit, code, False, scratch_address)
                 rays[T + i], rays[PART + i] = t, np.float64(code)
     return np.int64(0)
