@@ -57,7 +57,7 @@ def mean_features(scenes: Sequence[Packed], size: Size, chosen: PixelFilter, thr
 
 
 def _features(scene: Packed, size: Size, place: tuple[float, float, float, float], pool: Pool) -> dict[str, Array]:
-    channels = first_hit_channels(scene, size, pool, place, _PLACES)
+    channels = first_hit_channels(scene, size, pool, place, PLACES)
     albedo = channels["albedo"]
     dark = albedo.max(axis=2, keepdims=True) < _DARK
     return {
