@@ -8,6 +8,8 @@ import pytest
 import isophote as iso
 from isophote.accel.accelerator import ACCELERATORS, accelerator_of, build_things
 from isophote.errors import GeometryError
+from isophote.lower.primitive_table import primitive_of
+from isophote.shapes.primitive.extent import ball_around, balls_around, box_around, boxes_around
 from scenes import icosphere
 
 OTHERS = [name for name in ACCELERATORS if name != "bvh"]
@@ -132,3 +134,14 @@ def test_bad_boxes_are_refused_and_none_can_be_built_over(name):
     built = build_things(name, np.zeros((0, 3)), np.zeros((0, 3)))
     assert built.bounds[0, 0] > built.bounds[1, 0]
     assert accelerator_of(name).things.address
+
+
+def test_boxes_and_balls_of_many_primitives_are_those_of_each():
+    primitives = [primitive_of(item.shape).placed(item.transform.matrix) for item in mixed(45)[:45]]
+    boxes = boxes_around(primitives)
+    middles, radii = balls_around(primitives, boxes)
+    for primitive, box, middle, radius in zip(primitives, boxes, middles, radii, strict=True):
+        assert np.array_equal(box, box_around(primitive))
+        own = ball_around(primitive)
+        assert np.allclose(middle, own[0], rtol=0, atol=1e-15)
+        assert radius == pytest.approx(own[1], rel=1e-14)

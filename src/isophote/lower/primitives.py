@@ -19,7 +19,7 @@ from isophote.kernels.primitive.trace_lanes import trace_primitive_lanes
 from isophote.lower.boxes import ACCELERATOR, counting_boxes, over_boxes
 from isophote.lower.placement import repacked
 from isophote.lower.primitive_table import PrimitivePart
-from isophote.shapes.primitive.extent import ball_around, box_around
+from isophote.shapes.primitive.extent import balls_around, boxes_around
 from isophote.shapes.primitive.primitive import Primitive
 
 __all__ = ["KINDS", "Kind", "counting_primitives", "lower_primitives", "moved_primitives", "own_numbers"]
@@ -98,18 +98,18 @@ def lower_primitives(
     Raises `SceneError` where one leaves the range of single precision.
     """
     placed = [part.primitive for part in parts]
-    boxes = np.array([box_around(primitive) for primitive in placed])
-    finite = np.isfinite(boxes).all(axis=(1, 2))
-    _check(parts, boxes, finite)
+    boxes = boxes_around(placed)
+    _check(parts, boxes)
+    inverses = np.linalg.inv(np.array([primitive.matrix for primitive in placed]))
     numbers = [own_numbers(primitive) for primitive in placed]
     first = np.cumsum([0, *map(len, numbers)])[:-1]
     kinds = [KINDS[primitive.kind] for primitive in placed]
     packed = PRIMITIVES.pack(
         numbers=np.column_stack([surface + np.arange(len(parts)), first]).astype(np.int32),
         entries=np.array([_addresses(kind) for kind in kinds], np.int64),
-        reach=np.array([_reach(primitive, box) for primitive, box in zip(placed, boxes, strict=True)], np.float32),
+        reach=_reaches(placed, boxes, inverses),
         values=np.concatenate(numbers),
-        to_object=np.array([np.linalg.inv(primitive.matrix)[:3].reshape(-1) for primitive in placed]),
+        to_object=np.ascontiguousarray(inverses[:, :3].reshape(-1, 12)),
         to_world=np.array([primitive.matrix[:3].reshape(-1) for primitive in placed]),
         **_over(boxes, accelerator, threads),
         trace=trace_primitive.address,
@@ -123,12 +123,14 @@ def moved_primitives(packed: Packed, moved: Mapping[int, PrimitivePart]) -> Pack
     """Lowered primitives with the same ones placed elsewhere in these rows; all else is shared."""
     names = _BOXES, "reach", "to_object", "to_world"
     boxes, reach, to_object, to_world = (packed.arrays[name].copy() for name in names)
-    for k, part in moved.items():
-        boxes[k] = box_around(part.primitive)
-        _check([part], boxes[k : k + 1], np.isfinite(boxes[k : k + 1]).all(axis=(1, 2)))
-        reach[k] = _reach(part.primitive, boxes[k])
-        matrix = part.primitive.matrix
-        to_object[k], to_world[k] = np.linalg.inv(matrix)[:3].reshape(-1), matrix[:3].reshape(-1)
+    rows, parts = list(moved), list(moved.values())
+    placed = [part.primitive for part in parts]
+    boxes[rows] = boxes_around(placed)
+    _check(parts, boxes[rows])
+    matrices = np.array([primitive.matrix for primitive in placed])
+    inverses = np.linalg.inv(matrices)
+    reach[rows] = _reaches(placed, boxes[rows], inverses)
+    to_object[rows], to_world[rows] = inverses[:, :3].reshape(-1, 12), matrices[:, :3].reshape(-1, 12)
     over = _over(boxes, packed.arrays[ACCELERATOR])
     return repacked(PRIMITIVES, packed, reach=reach, to_object=to_object, to_world=to_world, **over)
 
@@ -137,7 +139,8 @@ def _addresses(kind: Kind) -> tuple[int, int, int]:
     return kind.meet.address, kind.describe.address, 0 if kind.meet_lanes is None else kind.meet_lanes.address
 
 
-def _check(parts: Sequence[PrimitivePart], boxes: Floats, finite: npt.NDArray[np.bool_]) -> None:
+def _check(parts: Sequence[PrimitivePart], boxes: Floats) -> None:
+    finite = np.isfinite(boxes).all(axis=(1, 2))
     with np.errstate(invalid="ignore"):
         sizes = (boxes[:, 1] - boxes[:, 0]).max(axis=1)
     reach = np.abs(np.where(np.isfinite(boxes), boxes, 0.0)).max(axis=(1, 2))
@@ -170,13 +173,15 @@ def counting_primitives(primitives: Packed) -> Packed:
     return counting_boxes(PRIMITIVES, primitives, test_primitive)
 
 
-def _reach(primitive: Primitive, box: Floats) -> tuple[float, ...]:
-    """A row of `Primitives.reach`."""
-    middle, radius = ball_around(primitive)
-    radius *= 1 + _SLACK
-    there, back = np.abs(primitive.matrix[:3]), np.abs(np.linalg.inv(primitive.matrix)[:3])
+def _reaches(placed: Sequence[Primitive], boxes: Floats, inverses: Floats) -> npt.NDArray[np.float32]:
+    """Rows of `Primitives.reach`, of primitives in boxes whose matrices have these inverses."""
+    middles, radii = balls_around(placed, boxes)
+    matrices = np.array([primitive.matrix[:3] for primitive in placed])
+    there, back = np.abs(matrices), np.abs(inverses[:, :3])
     # Of endless ones, what is near their own middle; a hit's own place is counted where it is known.
-    far = np.abs(np.where(np.isfinite(box), box, primitive.matrix[:3, 3])).max(axis=0)
-    returned = there[:, :3] @ (back[:, :3] @ far + back[:, 3]) + there[:, 3]
-    stretch = float(np.linalg.norm(back[:, :3], 2))
-    return (*middle, radius + _SLACK * float(np.abs(middle).max()), _ROUNDING * float(returned.max()), stretch)
+    far = np.abs(np.where(np.isfinite(boxes), boxes, matrices[:, None, :, 3])).max(axis=1)
+    own = np.einsum("nij,nj->ni", back[:, :, :3], far) + back[:, :, 3]
+    returned = np.einsum("nij,nj->ni", there[:, :, :3], own) + there[:, :, 3]
+    stretches = np.linalg.norm(back[:, :, :3], 2, axis=(1, 2))
+    grown = radii * (1 + _SLACK) + _SLACK * np.abs(middles).max(axis=1)
+    return np.column_stack([middles, grown, _ROUNDING * returned.max(axis=1), stretches]).astype(np.float32)

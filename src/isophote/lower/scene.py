@@ -23,7 +23,7 @@ from isophote.scene.light import RectLight
 from isophote.scene.material import Emitter
 from isophote.scene.scene import Bounds, Item, Scene, placed_box
 from isophote.shapes.mesh import Mesh
-from isophote.shapes.primitive.extent import box_around
+from isophote.shapes.primitive.extent import boxes_around
 from isophote.shapes.primitive.primitive import Primitive
 
 if TYPE_CHECKING:
@@ -142,7 +142,7 @@ def _finite_bounds(
     boxes = [placed_box(np.where(np.isfinite(b), b, 0.0), p.matrix) for b, p in zip(bounds, fields, strict=True)]
     finite = [meshes.astype(np.float64)] if np.isfinite(meshes).all() else []
     finite += [*boxes, *(box for box in around if np.isfinite(box).all())]
-    finite += [box for part in parts.primitives if np.isfinite(box := box_around(part.primitive)).all()]
+    finite += [box for box in boxes_around([part.primitive for part in parts.primitives]) if np.isfinite(box).all()]
     if (endless(fields) or not finite) and scene.camera is not None:
         finite += [np.array([place, place]) for place in (scene.camera.eye, scene.camera.target)]
     return np.stack([np.min([box[0] for box in finite], axis=0), np.max([box[1] for box in finite], axis=0)])

@@ -6,7 +6,7 @@ the box has no slack, whatever the map; a torus reaches as far as its convex hul
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TypeAlias
 
 import numpy as np
@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from isophote.shapes.primitive.primitive import Matrix, Primitive
 
-__all__ = ["ball_around", "box_around"]
+__all__ = ["ball_around", "balls_around", "box_around", "boxes_around"]
 
 Floats: TypeAlias = npt.NDArray[np.float64]
 # How far a body of the kind reaches along directions (n, 3) of its own space, not of unit length, given its values.
@@ -120,13 +120,54 @@ def box_around(primitive: Primitive) -> Matrix:
     return np.stack([offset - reach[:3], offset + reach[3:]])
 
 
+def boxes_around(primitives: Sequence[Primitive]) -> Matrix:
+    """(n, 2, 3): `box_around` of each; those of kinds without values all at once."""
+    boxes = np.empty((len(primitives), 2, 3))
+    for kind, rows in _by_kind(primitives).items():
+        if len(primitives[rows[0]].values):
+            for row in rows:
+                boxes[row] = box_around(primitives[row])
+            continue
+        matrices = np.array([primitives[row].matrix[:3] for row in rows])
+        linear, offset = matrices[:, :, :3], matrices[:, :, 3]
+        directions = np.concatenate([-linear, linear], axis=1).reshape(-1, 3)
+        reach = _REACHES[kind](directions, np.zeros(0)).reshape(-1, 2, 3)
+        boxes[rows] = np.stack([offset - reach[:, 0], offset + reach[:, 1]], axis=1)
+    return boxes
+
+
+def balls_around(primitives: Sequence[Primitive], boxes: Matrix) -> tuple[Floats, Floats]:
+    """Middles (n, 3) and radii (n,): `ball_around` of each, whose boxes are given; those of balls all at once."""
+    middles, radii = np.empty((len(primitives), 3)), np.empty(len(primitives))
+    for kind, rows in _by_kind(primitives).items():
+        if kind != "ball":
+            for row in rows:
+                middles[row], radii[row] = _ball_in(primitives[row], boxes[row])
+            continue
+        matrices = np.array([primitives[row].matrix[:3] for row in rows])
+        middles[rows], radii[rows] = matrices[:, :, 3], np.linalg.svd(matrices[:, :, :3], compute_uv=False)[:, 0]
+    return middles, radii
+
+
+def _by_kind(primitives: Sequence[Primitive]) -> dict[str, list[int]]:
+    """Numbers of the primitives of each kind."""
+    rows: dict[str, list[int]] = {}
+    for row, primitive in enumerate(primitives):
+        rows.setdefault(primitive.kind, []).append(row)
+    return rows
+
+
 def ball_around(primitive: Primitive) -> tuple[Floats, float]:
     """(middle, radius) of a ball around, infinite where the primitive is endless.
 
     It is the least one for balls, disks and boxes under any map, and for cylinders, cones and tori where the map keeps
     their circles circles and their axis upright; for others it is one that holds the box.
     """
-    box = box_around(primitive)
+    return _ball_in(primitive, box_around(primitive))
+
+
+def _ball_in(primitive: Primitive, box: Matrix) -> tuple[Floats, float]:
+    """`ball_around` of a primitive whose box is given."""
     if not np.isfinite(box).all():
         return np.zeros(3), np.inf
     linear, offset = primitive.matrix[:3, :3], primitive.matrix[:3, 3]
