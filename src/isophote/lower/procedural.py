@@ -42,26 +42,24 @@ _PROFILES = {
 _KINDS = {"fbm": fractal.FBM, "turbulence": fractal.TURBULENCE, "ridged": fractal.RIDGED}
 _FEATURES = {"f1": worley.F1, "f2": worley.F2, "f2-f1": worley.BORDER, "cell": worley.CELL}
 _METRICS = {"euclidean": worley.EUCLIDEAN, "manhattan": worley.MANHATTAN, "chebyshev": worley.CHEBYSHEV}
-_NOISES: dict[type, Entry] = {
-    ValueNoise: value_noise,
-    PerlinNoise: perlin,
-    SimplexNoise: simplex,
-    WorleyNoise: worley.worley,
-}
+_NOISES: dict[type, Entry] = {ValueNoise: value_noise, PerlinNoise: perlin, SimplexNoise: simplex}
 
-# Mean of |n| and of (1 − |n|)² of noises n from −1 to 1, and of the features of Worley's by metric, for jitter 1: what
-# is left where they are too fine to be seen.
-_SIZES = {
-    ValueNoise: (0.283, 0.548),
-    PerlinNoise: (0.207, 0.670),
-    SimplexNoise: (0.207, 0.670),
-    WorleyNoise: (0.3, 0.5),
+# Of noises n from −1 to 1: means of |n| and (1 − |n|)², and over how many cells a mean leaves nothing to be seen of n.
+_SIGNED = {
+    ValueNoise: (0.330, 0.500, 3.4),
+    PerlinNoise: (0.220, 0.633, 2.5),
+    SimplexNoise: (0.314, 0.526, 1.4),
+    WorleyNoise: (0.282, 0.556, 2.0),
 }
+# Creases are finer than the noise that has them.
+_CREASED = 1.5
+# Means of the features of Worley's noise by metric, for jitter 1, and over how many cells a mean leaves nothing.
 _MEANS = {
-    "euclidean": {"f1": 0.5, "f2": 0.7, "f2-f1": 0.2, "cell": 0.5},
-    "manhattan": {"f1": 0.7, "f2": 0.9, "f2-f1": 0.2, "cell": 0.5},
-    "chebyshev": {"f1": 0.4, "f2": 0.6, "f2-f1": 0.2, "cell": 0.5},
+    "euclidean": {"f1": 0.520, "f2": 0.716, "f2-f1": 0.196, "cell": 0.5},
+    "manhattan": {"f1": 0.741, "f2": 0.937, "f2-f1": 0.285, "cell": 0.5},
+    "chebyshev": {"f1": 0.421, "f2": 0.579, "f2-f1": 0.159, "cell": 0.5},
 }
+_REACH = {"f1": 2.0, "f2": 2.4, "f2-f1": 1.4, "cell": 2.3}
 
 _IDENTITY = Transform.identity()
 
@@ -117,18 +115,21 @@ def _seed(seed: int) -> tuple[float, float]:
 
 
 def _noise(texture: Noise) -> TextureNode:
-    data: tuple[float, ...] = (texture.size, *_seed(texture.seed))
-    if isinstance(texture, WorleyNoise):
-        mean = _MEANS[texture.metric][texture.feature]
-        data += (_METRICS[texture.metric], _FEATURES[texture.feature], texture.jitter, mean)
+    data: tuple[float, ...] = (texture.size, *_seed(texture.seed), _SIGNED[type(texture)][2])
     return TextureNode(_NOISES[type(texture)], data)
 
 
+def _worley(texture: WorleyNoise) -> TextureNode:
+    feature = texture.feature
+    data = (texture.size, *_seed(texture.seed), _REACH[feature], _METRICS[texture.metric], _FEATURES[feature])
+    return TextureNode(worley.worley, (*data, texture.jitter, _MEANS[texture.metric][feature]))
+
+
 def _fbm(texture: Fbm) -> TextureNode:
-    turbulent, ridged = _SIZES[type(texture.noise)]
+    turbulent, ridged, reach = _SIGNED[type(texture.noise)]
     mean = {"fbm": 0.0, "turbulence": turbulent, "ridged": ridged}[texture.kind]
-    kind = _KINDS[texture.kind]
-    data = (texture.octaves, texture.gain, texture.lacunarity, kind, texture.noise.size, mean)
+    reach /= 1 if texture.kind == "fbm" else _CREASED
+    data = (texture.octaves, texture.gain, texture.lacunarity, _KINDS[texture.kind], texture.noise.size, mean, reach)
     return TextureNode(fractal.fractal, data, (texture.noise,))
 
 
@@ -183,5 +184,5 @@ _DESCRIBE: dict[type, Callable[[Any], TextureNode]] = {
     SimplexNoise: _noise,
     ValueNoise: _noise,
     Waves: _waves,
-    WorleyNoise: _noise,
+    WorleyNoise: _worley,
 }

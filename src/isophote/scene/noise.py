@@ -13,7 +13,7 @@ __all__ = ["Fbm", "Noise", "PerlinNoise", "SimplexNoise", "ValueNoise", "WorleyN
 _MOST_OCTAVES = 32
 
 
-@attrs.frozen
+@attrs.frozen(repr=False)
 class Noise(Procedural):
     """A number from 0 to 1, as a grey, for every place: the type of all noises.
 
@@ -25,7 +25,7 @@ class Noise(Procedural):
     seed: int = attrs.field(default=0, validator=seed_number)
 
 
-@attrs.frozen
+@attrs.frozen(repr=False)
 class ValueNoise(Noise):
     """Random numbers at the points of a lattice, and between them smoothly, by 6 t⁵ − 15 t⁴ + 10 t³ along each axis.
 
@@ -33,7 +33,7 @@ class ValueNoise(Noise):
     """
 
 
-@attrs.frozen
+@attrs.frozen(repr=False)
 class PerlinNoise(Noise):
     """1/2 + n/2 of gradient noise n: random ramps through the points of a lattice, and between them as in `ValueNoise`.
 
@@ -42,7 +42,7 @@ class PerlinNoise(Noise):
     """
 
 
-@attrs.frozen
+@attrs.frozen(repr=False)
 class SimplexNoise(Noise):
     """1/2 + n/2 of simplex noise n: random ramps under bumps around the points of a lattice of tetrahedra.
 
@@ -51,7 +51,7 @@ class SimplexNoise(Noise):
     """
 
 
-@attrs.frozen
+@attrs.frozen(repr=False)
 class WorleyNoise(Noise):
     """Cells around scattered points, one point in each cell of the lattice.
 
@@ -81,7 +81,7 @@ def _octaves(instance: object, attribute: attrs.Attribute[int], value: object) -
         raise SceneError(f"Fbm: octaves must be a whole number from 1 to {_MOST_OCTAVES}, but is {value!r}")
 
 
-@attrs.frozen
+@attrs.frozen(repr=False)
 class Fbm(Procedural):
     """Noise of many sizes added up: octave i is `noise` with cells `lacunarity`ⁱ times smaller, times `gain`ⁱ.
 

@@ -28,14 +28,14 @@ _X, _Y = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
 _SHAPES = ("linear", "radial", "spherical", "angular")
 
 
-@attrs.frozen
+@attrs.frozen(repr=False)
 class CheckerNumber(Procedural):
     """0 and 1 in cubes of edge `size` by turns."""
 
     size: float = attrs.field(default=1.0, converter=as_number, validator=positive)
 
 
-@attrs.frozen
+@attrs.frozen(repr=False)
 class Checker(Composed):
     """Cubes of edge `size`, in metres, of `a` and `b` by turns, `a` at the origin: squares on flat ground.
 
@@ -53,7 +53,7 @@ class Checker(Composed):
         return Blend(self.a, self.b, CheckerNumber(self.size))
 
 
-@attrs.frozen
+@attrs.frozen(repr=False)
 class Waves(Procedural):
     """A number from 0 to 1 that goes up and down with a period of `size` metres.
 
@@ -73,7 +73,7 @@ class Waves(Procedural):
     share: float = attrs.field(default=0.5, converter=as_number, validator=fraction)
 
 
-@attrs.frozen
+@attrs.frozen(repr=False)
 class Stripes(Composed):
     """Stripes of `a` and `b`, colours, numbers or textures, across `axis`; each pair is `size` metres wide, and `a` has
     the first `share` of it."""
@@ -94,7 +94,7 @@ def _axes(instance: Any, attribute: attrs.Attribute[str], value: Any) -> None:
         raise SceneError(f"{type(instance).__name__}: axes must be some of the letters 'xyz', but is {value!r}")
 
 
-@attrs.frozen
+@attrs.frozen(repr=False)
 class GridNumber(Procedural):
     """1 on the lines of a grid, 0 between."""
 
@@ -103,7 +103,7 @@ class GridNumber(Procedural):
     axes: str = attrs.field(default="xz", validator=_axes)
 
 
-@attrs.frozen
+@attrs.frozen(repr=False)
 class Grid(Composed):
     """Lines of colour `lines` on `ground`, around all places where a coordinate is a multiple of `size`.
 
@@ -122,7 +122,7 @@ class Grid(Composed):
         return Blend(self.ground, self.lines, GridNumber(self.size, self.width, self.axes))
 
 
-@attrs.frozen
+@attrs.frozen(repr=False)
 class Coordinate(Procedural):
     """How far it is along an axis, away from it or from the origin, in sizes, or around the axis, in turns."""
 
@@ -131,7 +131,7 @@ class Coordinate(Procedural):
     axis: Vector = attrs.field(default=_Y, converter=axis_vector)
 
 
-@attrs.frozen
+@attrs.frozen(repr=False)
 class Gradient(Composed):
     """Colours along a line: those of `stops`, as of a `Ramp`, from the origin to `size` metres along `axis`.
 

@@ -23,7 +23,7 @@ StopsLike: TypeAlias = Iterable[ColourLike | tuple[float, ColourLike]]
 _MOST_SEEDS = 2**32
 
 
-@attrs.frozen(kw_only=True)
+@attrs.frozen(kw_only=True, repr=False)
 class Procedural(Texture):
     """A texture that is a formula of the place.
 
@@ -39,6 +39,20 @@ class Procedural(Texture):
     def with_(self, **changes: Any) -> Any:
         """The texture with other fields."""
         return attrs.evolve(self, **changes)
+
+    def __repr__(self) -> str:
+        told = [f"{a.name}={getattr(self, a.name)!r}" for a in attrs.fields(type(self)) if not _is_default(self, a)]
+        return f"{type(self).__name__}({', '.join(told)})"
+
+
+def _is_default(instance: Procedural, attribute: attrs.Attribute[Any]) -> bool:
+    default: Any = attribute.default
+    if default is attrs.NOTHING:
+        return False
+    value = default.factory() if isinstance(default, attrs.Factory) else default  # type: ignore[arg-type]
+    if attribute.converter is not None:
+        value = attribute.converter(value)  # type: ignore[operator]
+    return bool(getattr(instance, attribute.name) == value)
 
 
 class Composed(Procedural, ABC):

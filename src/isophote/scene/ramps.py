@@ -41,7 +41,7 @@ class Blend(Texture):
     amount: ColourParameter = attrs.field(default=_GREY, converter=colour_or_texture)
 
 
-@attrs.frozen
+@attrs.frozen(repr=False)
 class Placed(Procedural):
     """A texture of any kind, pictures too, moved to another place: in the space of another by `transform`.
 

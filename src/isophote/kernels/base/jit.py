@@ -27,6 +27,8 @@ __all__ = ["device", "exact_apart", "exact_device", "exact_inline", "exact_kerne
 cache.install()
 
 _CONTRACT = {"contract", "nsz"}
+# Said outright: what says nothing is compiled as its first caller is.
+_EXACT = False
 
 
 @register_pass(mutates_CFG=True, analysis_only=False)
@@ -113,19 +115,19 @@ def device(function: Callable[..., Any]) -> Any:
 
 def exact_kernel(function: Callable[..., Any]) -> Any:
     """Compile a function that Python calls, without contraction."""
-    return njit(function, nogil=True, cache=True, error_model="numpy")
+    return njit(function, nogil=True, cache=True, error_model="numpy", fastmath=_EXACT)
 
 
 def exact_device(function: Callable[..., Any]) -> Any:
     """Compile a function that kernels call, without contraction."""
-    return njit(function, nogil=True, error_model="numpy", pipeline_class=_DeviceCompiler)
+    return njit(function, nogil=True, error_model="numpy", fastmath=_EXACT, pipeline_class=_DeviceCompiler)
 
 
 def exact_apart(function: Callable[..., Any]) -> Any:
     """Compile a function that is long and seldom called, without contraction; callers compile as if it were short."""
-    return njit(function, nogil=True, error_model="numpy", pipeline_class=_ApartCompiler)
+    return njit(function, nogil=True, error_model="numpy", fastmath=_EXACT, pipeline_class=_ApartCompiler)
 
 
 def exact_inline(function: Callable[..., Any]) -> Any:
     """Compile a function into each of its callers, without contraction: for the few calls of an innermost loop."""
-    return njit(function, nogil=True, error_model="numpy", pipeline_class=_InlineCompiler)
+    return njit(function, nogil=True, error_model="numpy", fastmath=_EXACT, pipeline_class=_InlineCompiler)

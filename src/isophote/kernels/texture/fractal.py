@@ -15,7 +15,7 @@ __all__ = ["FBM", "RIDGED", "TURBULENCE", "fractal"]
 
 FBM, TURBULENCE, RIDGED = 0, 1, 2
 
-_OCTAVES, _GAIN, _LACUNARITY, _KIND, _SIZE, _MEAN = (np.int64(k) for k in range(6))
+_OCTAVES, _GAIN, _LACUNARITY, _KIND, _SIZE, _MEAN, _REACH = (np.int64(k) for k in range(7))
 _ZERO, _HALF, _ONE, _TWO = np.float32(0), np.float32(0.5), np.float32(1), np.float32(2)
 # Each octave begins elsewhere, so that their lattices do not meet at the origin.
 _OFFSET = (np.float32(19.1875), np.float32(7.3125), np.float32(31.6875))
@@ -34,23 +34,21 @@ def _term(kind, number):
 
 @entry
 def fractal(textures, node, record_address):
-    """Data: octaves, gain, lacunarity, kind, size of the child's cells, mean of an octave."""
+    """Data: octaves, gain, lacunarity, kind, size of the child's cells, mean of an octave, reach."""
     place = open_place(textures, node, record_address)
     record = place.record
     p, a, b = load_vec3(record, OWN), load_vec3(record, OWN_A), load_vec3(record, OWN_B)
     kind, mean = np.int64(datum(place, _KIND)), datum(place, _MEAN)
     gain, lacunarity = datum(place, _GAIN), datum(place, _LACUNARITY)
-    size = datum(place, _SIZE)
+    size, reach = datum(place, _SIZE), datum(place, _REACH)
     width = footprint(place) / size
     offset = vec3(_OFFSET[0], _OFFSET[1], _OFFSET[2]) * size
     nothing = vec3(_ZERO, _ZERO, _ZERO)
     store_vec3(record, OWN_A, nothing)
     store_vec3(record, OWN_B, nothing)
-    # Creases have twice the noise's frequencies and more.
-    sharpness = _ONE if kind == FBM else _TWO
     total, whole, amplitude, weight, scale = _ZERO, _ZERO, _ONE, _ONE, _ONE
     for octave in range(np.int64(datum(place, _OCTAVES))):
-        seen = fade(width * scale * sharpness)
+        seen = fade(width * scale, reach)
         term = mean
         if seen > _ZERO:
             store_vec3(record, OWN, p * scale + offset * np.float32(octave))

@@ -31,7 +31,7 @@ __all__ = [
 ]
 
 _U = np.uint32
-_ZERO, _HALF, _ONE, _TWO = np.float32(0), np.float32(0.5), np.float32(1), np.float32(2)
+_ZERO, _ONE, _TWO = np.float32(0), np.float32(1), np.float32(2)
 # Beyond, floats are whole numbers; cells stay within 32 bits.
 _FAR = np.float32(2.0**30)
 _X, _Y, _Z = _U(0x8DA6B343), _U(0xD8163841), _U(0xCB1AB31F)
@@ -123,16 +123,16 @@ def footprint(place):
 
 
 @exact_device
-def fade(width):
-    """What is left of noise with cells of size 1 in a mean over `width`: 1 within half a cell, 0 from two cells on."""
-    t = min(max((_TWO - width) / np.float32(1.5), _ZERO), _ONE)
+def fade(width, reach):
+    """What is left of noise in a mean over `width`, if nothing is over `reach`: 1 at 0, and smoothly down to 0."""
+    t = max(_ONE - width / reach, _ZERO)
     return t * t * (np.float32(3) - _TWO * t)
 
 
 @exact_device
-def faded(value, mean, width):
+def faded(value, mean, width, reach):
     """A value of noise with this mean, as far as it can still be seen."""
-    return value if width <= _HALF else mean + (value - mean) * fade(width)
+    return mean + (value - mean) * fade(width, reach) if width > _ZERO else value
 
 
 @device

@@ -24,7 +24,7 @@ from isophote.kernels.texture.lattice import (
 
 __all__ = ["perlin", "perlin_at"]
 
-_SIZE, _SEED = np.int64(0), np.int64(1)
+_SIZE, _SEED, _REACH = np.int64(0), np.int64(1), np.int64(3)
 _ZERO, _HALF, _ONE = np.float32(0), np.float32(0.5), np.float32(1)
 
 
@@ -79,10 +79,10 @@ def perlin_at(x, y, z, seed):
 
 @entry
 def perlin(textures, node, record):
-    """Data: size of a cell, seed."""
+    """Data: size of a cell, seed, reach."""
     place = open_place(textures, node, record)
     scale = _ONE / datum(place, _SIZE)
     x, y, z = own_place(place)
     value, _, _, _ = perlin_at(x * scale, y * scale, z * scale, seed_of(place, _SEED))
-    value = faded(value, _ZERO, footprint(place) * scale)
+    value = faded(value, _ZERO, footprint(place) * scale, datum(place, _REACH))
     return answer_number(place, min(max(_HALF + _HALF * value, _ZERO), _ONE))

@@ -24,7 +24,7 @@ from isophote.kernels.texture.lattice import (
 
 __all__ = ["value_noise", "value_noise_at"]
 
-_SIZE, _SEED = np.int64(0), np.int64(1)
+_SIZE, _SEED, _REACH = np.int64(0), np.int64(1), np.int64(3)
 _HALF, _ONE = np.float32(0.5), np.float32(1)
 
 
@@ -60,9 +60,9 @@ def value_noise_at(x, y, z, seed):
 
 @entry
 def value_noise(textures, node, record):
-    """Data: size of a cell, seed."""
+    """Data: size of a cell, seed, reach."""
     place = open_place(textures, node, record)
     scale = _ONE / datum(place, _SIZE)
     x, y, z = own_place(place)
     value, _, _, _ = value_noise_at(x * scale, y * scale, z * scale, seed_of(place, _SEED))
-    return answer_number(place, faded(value, _HALF, footprint(place) * scale))
+    return answer_number(place, faded(value, _HALF, footprint(place) * scale, datum(place, _REACH)))

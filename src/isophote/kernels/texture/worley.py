@@ -31,7 +31,7 @@ __all__ = ["BORDER", "CELL", "CHEBYSHEV", "EUCLIDEAN", "F1", "F2", "MANHATTAN", 
 EUCLIDEAN, MANHATTAN, CHEBYSHEV = 0, 1, 2
 F1, F2, BORDER, CELL = 0, 1, 2, 3
 
-_SIZE, _SEED, _METRIC, _FEATURE, _JITTER, _MEAN = (np.int64(k) for k in (0, 1, 3, 4, 5, 6))
+_SIZE, _SEED, _REACH, _METRIC, _FEATURE, _JITTER, _MEAN = (np.int64(k) for k in (0, 1, 3, 4, 5, 6, 7))
 _U = np.uint32
 _STEP = _U(0x9E3779B9)
 _ZERO, _HALF, _ONE, _LARGE = np.float32(0), np.float32(0.5), np.float32(1), np.float32(1e30)
@@ -102,7 +102,7 @@ def worley_at(x, y, z, seed, metric, jitter, alone):
 
 @entry
 def worley(textures, node, record):
-    """Data: size of a cell, seed, metric, feature, jitter, mean of the feature."""
+    """Data: size of a cell, seed, reach, metric, feature, jitter, mean of the feature."""
     place = open_place(textures, node, record)
     scale = _ONE / datum(place, _SIZE)
     x, y, z = own_place(place)
@@ -119,4 +119,5 @@ def worley(textures, node, record):
     else:
         value = unit_of(number)
     value = min(value, _ONE)
-    return answer_number(place, faded(value, datum(place, _MEAN), footprint(place) * scale))
+    width, reach = footprint(place) * scale, datum(place, _REACH)
+    return answer_number(place, faded(value, datum(place, _MEAN), width, reach))
