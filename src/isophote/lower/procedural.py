@@ -16,6 +16,7 @@ from isophote.kernels.texture.perlin import perlin
 from isophote.kernels.texture.simplex import simplex
 from isophote.kernels.texture.value_noise import value_noise
 from isophote.scene.colour import Colour
+from isophote.scene.formula import FieldTexture, Formula
 from isophote.scene.noise import Fbm, Noise, PerlinNoise, SimplexNoise, ValueNoise, WorleyNoise
 from isophote.scene.patterns import CheckerNumber, Coordinate, GridNumber, Waves
 from isophote.scene.procedural import Composed, Procedural
@@ -144,6 +145,15 @@ def ramp_data(stops: Sequence[tuple[float, Colour]], between: str) -> tuple[floa
     return (len(stops), _BETWEEN[between], *numbers)
 
 
+def _formula(texture: Formula | FieldTexture) -> TextureNode:
+    # Loaded where there is one: interpreters of tapes are compiled with it.
+    from isophote.kernels.texture.formula import formula
+    from isophote.lower.formulas import formula_table
+
+    ramp = ramp_data(texture.stops, texture.between) if len(texture.forms) == 1 else ()
+    return TextureNode(formula, table=formula_table(texture.forms, ramp, texture.period or 0.0))
+
+
 def _blend(texture: Blend) -> TextureNode:
     return TextureNode(combine.blend, children=(_child(texture.a), _child(texture.b), _child(texture.amount)))
 
@@ -178,6 +188,8 @@ _DESCRIBE: dict[type, Callable[[Any], TextureNode]] = {
     CheckerNumber: lambda texture: TextureNode(periodic.checker, (texture.size,)),
     Coordinate: lambda texture: TextureNode(periodic.coordinate, _coordinate(texture)),
     Fbm: _fbm,
+    FieldTexture: _formula,
+    Formula: _formula,
     GridNumber: _grid,
     PerlinNoise: _noise,
     Ramp: _ramp,

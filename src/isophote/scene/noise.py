@@ -8,7 +8,7 @@ from isophote.errors import SceneError
 from isophote.scene.fields import as_number, fraction, one_of, positive
 from isophote.scene.procedural import Procedural, seed_number
 
-__all__ = ["Fbm", "Noise", "PerlinNoise", "SimplexNoise", "ValueNoise", "WorleyNoise"]
+__all__ = ["Fbm", "Noise", "PerlinNoise", "SimplexNoise", "ValueNoise", "WorleyNoise", "octave_count"]
 
 _MOST_OCTAVES = 32
 
@@ -76,9 +76,11 @@ def _noise(instance: object, attribute: attrs.Attribute[Noise], value: object) -
         )
 
 
-def _octaves(instance: object, attribute: attrs.Attribute[int], value: object) -> None:
+def octave_count(instance: object, attribute: attrs.Attribute[int], value: object) -> None:
+    """A whole number from 1 to 32."""
     if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= _MOST_OCTAVES:
-        raise SceneError(f"Fbm: octaves must be a whole number from 1 to {_MOST_OCTAVES}, but is {value!r}")
+        name = f"{type(instance).__name__}: {attribute.name}"
+        raise SceneError(f"{name} must be a whole number from 1 to {_MOST_OCTAVES}, but is {value!r}")
 
 
 @attrs.frozen(repr=False)
@@ -93,7 +95,7 @@ class Fbm(Procedural):
     """
 
     noise: Noise = attrs.field(factory=PerlinNoise, validator=_noise)
-    octaves: int = attrs.field(default=6, validator=_octaves)
+    octaves: int = attrs.field(default=6, validator=octave_count)
     gain: float = attrs.field(default=0.5, converter=as_number, validator=fraction)
     lacunarity: float = attrs.field(default=2.0, converter=as_number, validator=positive)
     kind: str = attrs.field(default="fbm", validator=one_of("fbm", "turbulence", "ridged"))
