@@ -38,12 +38,12 @@ def test_formulas_of_colours_are_colours() -> None:
     np.testing.assert_allclose(colours(iso.Formula(tinted)), tinted(PLACES.astype(np.float64)), atol=2e-6)
 
 
-def test_negative_and_infinite_colours_of_formulas_count_as_black_and_are_finite() -> None:
-    found = colours(
-        iso.Formula(lambda p: np.stack([-(p[:, 0] ** 2), 1 / (0 * p[:, 1]), np.log(-(p[:, 2] ** 2))], axis=1))
-    )
+def test_negative_and_infinite_colours_of_formulas_are_finite() -> None:
+    extreme = iso.Formula(lambda p: np.stack([-p[:, 0] * p[:, 0], p[:, 1] * 1e30 * 1e30, np.log(p[:, 2])], axis=1))
+    found = colours(extreme)
     assert np.isfinite(found).all()
     np.testing.assert_array_equal(found[:, 0], 0)
+    np.testing.assert_array_equal(found[PLACES[:, 1] < 0, 1], 0)
 
 
 @pytest.mark.parametrize("function", [ripples, tinted])

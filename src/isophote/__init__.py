@@ -98,6 +98,7 @@ _HOME = {
     "ambient_occlusion": "rendering.occlusion.points",
     "arc": "shapes.field.field2",
     "bake_occlusion": "rendering.occlusion.bake",
+    "bake_texture": "rendering.texture_bake",
     "box": "shapes.field.solids",
     "brdf_plot": "rendering.reflectance_plot",
     "capped_torus": "shapes.field.rounds",

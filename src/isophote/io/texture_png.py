@@ -27,7 +27,8 @@ def picture_of(texture: Texture | None, path: StrPath) -> ImageTexture | None:
     if texture is None or isinstance(texture, ImageTexture):
         return texture
     warnings.warn(
-        f"{fspath(path)}: a {type(texture).__name__} is left out, since the file can hold only pictures",
+        f"{fspath(path)}: a {type(texture).__name__} is left out, since the file can hold only pictures; "
+        "isophote.bake_texture makes one of it",
         IsophoteWarning,
         stacklevel=6,
     )

@@ -31,8 +31,8 @@ class Atlas:
     """Where on a mesh the n covered texels of an atlas lie.
 
     `covered` (h, w) bool: texels that a face touches; row 0 is the top, v = 1. `triangle` (n,) is the number among
-    `corners` (t, 3, 3) and `normals` (t, 3, 3), and `weights` (n, 3) are barycentric, all of them in the order of
-    `covered`'s True.
+    `corners` (t, 3, 3), `normals` (t, 3, 3) and `uvs` (t, 3, 2), and `weights` (n, 3) are barycentric, all of them in
+    the order of `covered`'s True.
     """
 
     covered: npt.NDArray[np.bool_]
@@ -40,6 +40,7 @@ class Atlas:
     weights: npt.NDArray[np.float32]
     corners: Points
     normals: Points
+    uvs: Points
 
     def places(self, first: int, last: int) -> tuple[Points, Points]:
         """(points, unit normals), (n, 3) each, of the texels first ≤ i < last, in the mesh's own space."""
@@ -75,7 +76,7 @@ def atlas_of(mesh: Mesh, size: int) -> Atlas:
     _check_square(uvs)
     owner, weights = _covered(uvs, size)
     covered = owner >= 0
-    return Atlas(covered, owner[covered], weights, corners, _normals(mesh, cut, flat)[used])
+    return Atlas(covered, owner[covered], weights, corners, _normals(mesh, cut, flat)[used], uvs)
 
 
 def _at_corners(attribute: Attribute, cut: Triangles, width: int) -> tuple[Points, npt.NDArray[np.bool_]]:
