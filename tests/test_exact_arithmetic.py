@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from isophote.kernels.base.jit import device, exact_apart, exact_device, exact_inline, exact_kernel, kernel
+from isophote.kernels.base.jit import exact_apart, exact_device, exact_inline, exact_kernel, kernel
 
 # (1 + e)² − (1 + 2 e) is e², which is lost where the square is rounded before the sum.
 A = 1 + 2.0**-30
@@ -25,11 +25,6 @@ def by_inline(a, b, c):
 
 @exact_apart
 def by_apart(a, b, c):
-    return a * b + c
-
-
-@device
-def contracted(a, b, c):
     return a * b + c
 
 
@@ -53,11 +48,6 @@ def exactly(a, b, c):
     return a * b + c
 
 
-@exact_kernel
-def ask_contracted(a, b, c):
-    return contracted(a, b, c)
-
-
 @pytest.mark.parametrize("ask", [ask_device, ask_inline, ask_apart, exactly])
 def test_products_are_rounded_before_sums(ask: Any) -> None:
     assert ask(A, A, C) == A * A + C == 0.0
@@ -70,9 +60,3 @@ def test_no_operation_may_be_contracted(ask: Any) -> None:
     products = [line for line in text.splitlines() if " fmul " in line]
     assert products
     assert not any("contract" in line for line in products)
-
-
-def test_contraction_is_allowed_by_function_and_not_by_caller() -> None:
-    ask_contracted(A, A, C)
-    text = next(iter(ask_contracted.inspect_llvm().values()))
-    assert any("contract" in line for line in text.splitlines() if " fmul " in line)
