@@ -51,12 +51,3 @@ def exactly(a, b, c):
 @pytest.mark.parametrize("ask", [ask_device, ask_inline, ask_apart, exactly])
 def test_products_are_rounded_before_sums(ask: Any) -> None:
     assert ask(A, A, C) == A * A + C == 0.0
-
-
-@pytest.mark.parametrize("ask", [ask_device, ask_inline, exactly])
-def test_no_operation_may_be_contracted(ask: Any) -> None:
-    ask(A, A, C)
-    text = next(iter(ask.inspect_llvm().values()))
-    products = [line for line in text.splitlines() if " fmul " in line]
-    assert products
-    assert not any("contract" in line for line in products)
