@@ -60,7 +60,7 @@ class PathTrace:
 
     def render(self, job: Job) -> Image:
         """The path-traced picture."""
-        warm_up(job.report, job.scene, "path")
+        warm_up(job.report, job.scene, "path", self.accelerator)
         began = time.monotonic()
         job.report("building the tree", 0.0)
         moments = expose(job, self.accelerator)

@@ -75,7 +75,7 @@ class RayTrace:
 
     def render(self, job: Job) -> Image:
         """The ray-traced picture."""
-        warm_up(job.report, job.scene, "ray")
+        warm_up(job.report, job.scene, "ray", self.accelerator)
         began = time.monotonic()
         job.report("building the tree", 0.0)
         moments = expose(job, self.accelerator)

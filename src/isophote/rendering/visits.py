@@ -19,6 +19,7 @@ from isophote.rendering.image import Image
 from isophote.rendering.method import Job, Size, checked_accelerator, first_hit_channels
 from isophote.rendering.pool import Pool
 from isophote.rendering.settings import one_of, optional_positive
+from isophote.rendering.warm import warm_up
 
 __all__ = ["Visits"]
 
@@ -46,6 +47,7 @@ class Visits:
 
     def render(self, job: Job) -> Image:
         """The heat map."""
+        warm_up(job.report, job.scene, "visits", self.accelerator)
         began = time.monotonic()
         job.report("building the accelerator", 0.0)
         scene = lower_scene(job.scene, job.size, job.threads, self.accelerator)

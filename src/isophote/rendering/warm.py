@@ -20,6 +20,7 @@ from isophote.kernels.trace import tables, wave
 from isophote.lower.materials import is_linked
 from isophote.lower.primitive_table import primitive_of
 from isophote.progress import Reporter
+from isophote.rendering.warm_accelerators import accelerator_parts, parts_of_accelerators
 from isophote.scene.scene import Scene
 from isophote.shapes.mesh import Mesh
 
@@ -119,6 +120,13 @@ def _materials() -> None:
     prepare.prepare.compile()
 
 
+def _counts() -> None:
+    from isophote.kernels.trace import count
+
+    counts = np.zeros((3, 0), np.int32)
+    count.count_pixels(_words(tables.SCENE), wave.new_wave(1).words, counts, 0, 0, 0)
+
+
 class _Part(NamedTuple):
     """What is compiled together: file and name of the kernel that comes last, and what compiles it."""
 
@@ -138,6 +146,8 @@ _PARTS = {
     "fields": _Part("accel/field_build.py", "split_regions", _fields),
     "primitives": _Part("primitive/surface.py", "primitive_surface", _primitives),
     "materials": _Part("trace/prepare.py", "prepare", _materials),
+    "visits": _Part("trace/count.py", "count_pixels", _counts),
+    **{name: _Part(*part) for name, part in accelerator_parts()},
 }
 _KERNELS = Path(kernels.__file__ or "").parent
 _there: set[str] = set()
@@ -169,13 +179,15 @@ def _part_of(shape: object, method: str) -> str:
     return "fields" if primitive_of(shape) is None else "primitives"
 
 
-def warm_up(report: Reporter, scene: Scene, method: str) -> None:
-    """Compile what a method ("path", "ray", "occlusion" or "sphere") needs for a scene and is not in the cache yet, the
-    method itself here and the rest in a second process; both write to the same cache."""
+def warm_up(report: Reporter, scene: Scene, method: str, accelerator: str = "bvh") -> None:
+    """Compile what a method ("path", "ray", "occlusion", "sphere" or "visits") needs for a scene, with the accelerator
+    of a name, and is not in the cache yet, the method itself here and the rest in a second process; both write to the
+    same cache."""
     rest = [] if method == "sphere" else ["first hits"]
-    rest += sorted({_part_of(item.shape, method) for item in scene.items})
-    # Sphere tracing knows matte surfaces alone.
-    if method != "sphere" and any(is_linked(item.material) for item in scene.items):
+    kinds = [_part_of(item.shape, method) for item in scene.items]
+    rest += [*sorted(set(kinds)), *parts_of_accelerators(accelerator, kinds, counting=method == "visits")]
+    # Sphere tracing knows matte surfaces alone, and visits none.
+    if method not in ("sphere", "visits") and any(is_linked(item.material) for item in scene.items):
         rest.append("materials")
     warm_parts(report, [method], rest)
 
