@@ -28,7 +28,7 @@ def rolling(part):
 def falling(top):
     """Motion of what was let go above `top` half a second before the shutter opens."""
     return iso.Motion(
-        (t, AT_REST.translate((1.0, top - GRAVITY * ((t + 0.5) ** 2 - 0.25) / 2, 0.2)))
+        (t, AT_REST.translate((0.85, top - GRAVITY * ((t + 0.5) ** 2 - 0.25) / 2, 0.2)))
         for t in np.linspace(*SHUTTER, 9)
     )
 

@@ -54,6 +54,12 @@ def test_spheres_are_closed_and_face_outward(monkeypatch: pytest.MonkeyPatch) ->
             assert (np.linalg.det(points[triangles].astype(float)) > 0).all()
 
 
+def test_motion() -> None:
+    output = output_of("motion.py", "--size", "8", "--samples", "4", "--rounds", "1", "--parts", "noise", "steps")
+    assert float(cells(output, "blue-noise")[1]) < float(cells(output, "independent")[1])
+    assert float(cells(output, "256")[1]) < float(cells(output, "8")[1])
+
+
 def test_sampling() -> None:
     tiny = ("--size", "8", "--rounds", "1", "--reference", "64")
     output = output_of("sampling.py", *tiny, "--parts", "patterns", "spectrum")

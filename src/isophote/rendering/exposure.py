@@ -33,8 +33,9 @@ __all__ = ["Moment", "expose", "over_moments", "shutter_times"]
 
 Points: TypeAlias = npt.NDArray[np.float64]
 
-# As many moments as what moves farthest crosses pixels, so that its edges smear without steps, within these.
-_LEAST, _MOST = 16, 256
+# So many moments for each pixel that what moves farthest crosses, within bounds: measured, errors by steps are then
+# below those of a thousand samples (docs/design/motion.md).
+_A_PIXEL, _LEAST, _MOST = 4, 64, 256
 # Moments at which ways over the film are measured.
 _PROBES = 17
 
@@ -71,8 +72,8 @@ def shutter_times(scene: Scene, count: int, seed: int) -> list[float]:
 
 def _moments(scene: Scene, size: Size) -> int:
     """How many moments a picture takes: a power of two."""
-    way = _longest_way(scene, size)
-    return 1 << math.ceil(math.log2(min(max(way, _LEAST), _MOST)))
+    wanted = _A_PIXEL * _longest_way(scene, size)
+    return 1 << math.ceil(math.log2(min(max(wanted, _LEAST), _MOST)))
 
 
 def _longest_way(scene: Scene, size: Size) -> float:
