@@ -74,7 +74,8 @@ def test_moments_show_what_the_scene_shows_as_it_stands_then(items, accelerator)
         assert near[same].mean() > 0.995
         turned = (found["normal"] * expected["normal"]).sum(axis=2)
         assert (turned[same & near & (expected["item"] >= 0)] > 0.99).mean() > 0.99
-        assert (found["albedo"] == expected["albedo"]).all(axis=2)[same & near].mean() > 0.99
+        alike = np.abs(found["albedo"] - expected["albedo"]).max(axis=2) < 0.02
+        assert alike[same & near].mean() > 0.99
     depths = [_seen(tables)["depth"] for tables in lowered]
     assert (depths[0] != depths[1]).any()
 
