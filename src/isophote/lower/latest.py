@@ -5,9 +5,8 @@ from __future__ import annotations
 import threading
 import weakref
 from collections.abc import Hashable
-from typing import NamedTuple
+from typing import Any, Generic, NamedTuple, TypeVar
 
-from isophote.kernels.base.table import Packed
 from isophote.scene.camera import AnyCamera
 from isophote.scene.light import Light
 from isophote.scene.scene import Item, Scene
@@ -15,22 +14,25 @@ from isophote.scene.scene import Item, Scene
 __all__ = ["Latest"]
 
 
+_Tables = TypeVar("_Tables")
+
+
 class _Kept(NamedTuple):
     items: tuple[weakref.ref[Item], ...]
     lights: tuple[Light, ...]
     camera: AnyCamera | None
     way: Hashable
-    tables: dict[str, Packed]
+    tables: Any
 
 
-class Latest:
+class Latest(Generic[_Tables]):
     """Tables of one scene. They are let go as soon as one of its items is: nothing is kept for nobody."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._kept: _Kept | None = None
 
-    def find(self, scene: Scene, way: Hashable) -> dict[str, Packed] | None:
+    def find(self, scene: Scene, way: Hashable) -> _Tables | None:
         """The tables of a scene with the very same items, equal lights, lowered in the same way, and an equal camera
         where that counts."""
         with self._lock:
@@ -42,9 +44,10 @@ class Latest:
         if kept.camera is not None and kept.camera != scene.camera:
             return None
         same = all(ref() is item for ref, item in zip(kept.items, scene.items, strict=True))
-        return kept.tables if same else None
+        tables: _Tables | None = kept.tables if same else None
+        return tables
 
-    def keep(self, scene: Scene, way: Hashable, tables: dict[str, Packed], *, one_view: bool = False) -> None:
+    def keep(self, scene: Scene, way: Hashable, tables: _Tables, *, one_view: bool = False) -> None:
         """Remember these tables instead of the last ones; with `one_view` they are only for the scene's camera."""
         items = tuple(weakref.ref(item, self._forget) for item in scene.items)
         with self._lock:

@@ -1,6 +1,6 @@
 """A moving scene into tables of several moments, which share all that stands still.
 
-A scene is lowered as it stands at the first moment, with what moves as instances of its own. The other moments get the
+A scene is lowered as it stands when its shutter opens, with what moves as instances of its own. All moments get the
 same trees, tapes, vertices and textures with new matrices and a new tree over the boxes of what stands in the scene.
 Lights are gathered anew where something that shines moves.
 """
@@ -16,6 +16,8 @@ import numpy.typing as npt
 from isophote.kernels.base.table import Packed
 from isophote.kernels.texture.contract import TEXTURES
 from isophote.kernels.trace.tables import SCENE
+from isophote.lower.field_table import endless
+from isophote.lower.latest import Latest
 from isophote.lower.materials import emission_of
 from isophote.lower.own_space import own_spaces
 from isophote.lower.placement import moved_instances, repacked
@@ -29,42 +31,14 @@ __all__ = ["lower_moments"]
 
 Matrix: TypeAlias = npt.NDArray[np.float64]
 
-
-def lower_moments(
-    scene: Scene, size: tuple[int, int], times: Sequence[float], threads: int | None = None, accelerator: str = "bvh"
-) -> list[Packed]:
-    """The tables of `scene` at each of `times`, in seconds, as `lower_scene` makes them of one."""
-    moving = _moving_items(scene, times)
-    if not moving:
-        # The camera alone moves; the scene as it stands is lowered once for all of its places.
-        tables = lower_scene(scene.still(times[0]), size, threads, accelerator).arrays
-        kept = {name: tables[name] for name in SCENE.fields}
-        return [SCENE.pack(**kept | {"camera": camera_rows(scene.still(time), size)}) for time in times]
-    stands = [scene.still(time) for time in times]
-    first = _First.of(stands, moving, threads, accelerator)
-    shines = any(max(emission_of(scene.items[number].material)[0]) > 0 for number in moving)
-    moments = []
-    for still in stands:
-        tables = first.moved_with_lights(still, threads, accelerator) if shines else first.moved(still)
-        moments.append(SCENE.pack(**tables, camera=camera_rows(still, size)))
-    return moments
-
-
-def _moving_items(scene: Scene, times: Sequence[float]) -> frozenset[int]:
-    """Numbers of the items that move within the times."""
-    motions = {k: item.transform for k, item in enumerate(scene.items) if isinstance(item.transform, Motion)}
-    return frozenset(number for number, motion in motions.items() if motion.moves(min(times), max(times)))
-
-
-def _swept(stands: Sequence[Scene], moving: frozenset[int]) -> list[Bounds]:
-    """Boxes of what moves at all moments."""
-    shapes = {number: np.asarray(stands[0].items[number].shape.bounds, np.float64) for number in moving}
-    return [placed_box(box, still.items[number].transform.matrix) for still in stands for number, box in shapes.items()]
+# Times at which boxes of what moves are taken.
+_PROBES = 17
 
 
 class _First(NamedTuple):
-    """A scene lowered as it stands at first: its parts and tables, the radius of what is finite in it, the numbers of
-    what moves; rows of the fields among that by their items' numbers, and of the primitives, with these unplaced."""
+    """A scene lowered as it stands when its shutter opens: its parts and tables, the radius of what is finite in it,
+    the numbers of what moves; rows of the fields among that by their items' numbers, and of the primitives, with these
+    unplaced."""
 
     parts: Parts
     tables: dict[str, Packed]
@@ -74,14 +48,14 @@ class _First(NamedTuple):
     primitives: dict[int, tuple[int, Primitive]]
 
     @classmethod
-    def of(cls, stands: Sequence[Scene], moving: frozenset[int], threads: int | None, accelerator: str) -> _First:
-        """The first of the scenes, with room for where the others have what moves."""
-        scene = stands[0]
-        parts = parts_of(scene, moving=moving)
-        tables, reach = tables_of(scene, parts, threads, accelerator, _swept(stands, moving))
+    def of(cls, scene: Scene, moving: frozenset[int], threads: int | None, accelerator: str) -> _First:
+        """Of a scene, with room for what moves."""
+        opening = scene.still(scene.shutter[0])
+        parts = parts_of(opening, moving=moving)
+        tables, reach = tables_of(opening, parts, threads, accelerator, _swept(scene, moving))
         fields = {part.public: row for row, part in enumerate(parts.fields) if part.public in moving}
         rows = {part.public: row for row, part in enumerate(parts.primitives) if part.public in moving}
-        shapes = {number: primitive_of(scene.items[number].shape) for number in rows}
+        shapes = {number: primitive_of(opening.items[number].shape) for number in rows}
         primitives = {number: (rows[number], shape) for number, shape in shapes.items() if shape is not None}
         return cls(parts, tables, reach, moving, fields, primitives)
 
@@ -119,6 +93,47 @@ class _First(NamedTuple):
         # A lamp that is stretched out of round has another place among the lights, of which all surfaces know.
         tables, _ = tables_of(still, parts, threads, accelerator)
         return tables
+
+
+# The scene lowered last with its shutter open, for another view of it or other times.
+_latest: Latest[_First] = Latest()
+
+
+def lower_moments(
+    scene: Scene, size: tuple[int, int], times: Sequence[float], threads: int | None = None, accelerator: str = "bvh"
+) -> list[Packed]:
+    """The tables of `scene` at each of `times`, in seconds, while its shutter is open, as `lower_scene` makes them of
+    one. What times they are, changes nothing but where things stand."""
+    motions = {k: item.transform for k, item in enumerate(scene.items) if isinstance(item.transform, Motion)}
+    moving = frozenset(number for number, motion in motions.items() if motion.moves(*scene.shutter))
+    if not moving:
+        # The camera alone moves; the scene as it stands is lowered once for all of its places.
+        tables = lower_scene(scene.still(scene.shutter[0]), size, threads, accelerator).arrays
+        kept = {name: tables[name] for name in SCENE.fields}
+        return [SCENE.pack(**kept | {"camera": camera_rows(scene.still(time), size)}) for time in times]
+    way = accelerator, scene.shutter
+    first = _latest.find(scene, way)
+    if first is None:
+        first = _First.of(scene, moving, threads, accelerator)
+        _latest.keep(scene, way, first, one_view=endless(first.parts.fields))
+    shines = any(max(emission_of(scene.items[number].material)[0]) > 0 for number in moving)
+    moments = []
+    for time in times:
+        still = scene.still(time)
+        found = first.moved_with_lights(still, threads, accelerator) if shines else first.moved(still)
+        moments.append(SCENE.pack(**found, camera=camera_rows(still, size)))
+    return moments
+
+
+def _swept(scene: Scene, moving: frozenset[int]) -> list[Bounds]:
+    """Boxes of what moves, at times all over those of the shutter."""
+    boxes = []
+    for number in moving:
+        item = scene.items[number]
+        box = np.asarray(item.shape.bounds, np.float64)
+        stands = (item.still(time) for time in np.linspace(*scene.shutter, _PROBES).tolist())
+        boxes += [placed_box(box, one.transform.matrix) for one in stands]
+    return boxes
 
 
 def _same_lights(a: Parts, b: Parts) -> bool:

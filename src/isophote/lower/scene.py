@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 __all__ = ["Parts", "camera_rows", "lights_of", "lower_scene", "parts_of", "tables_of"]
 
 
-_latest = Latest()
+_latest: Latest[dict[str, Packed]] = Latest()
 
 
 def lower_scene(

@@ -4,15 +4,15 @@ All rays of a path run at one moment. A pixel's samples are spread over the mome
 the same pattern as all others; sorted by time, so that a pass can go through the moments one after another (see
 docs/design/motion.md):
 
-    exposure = expose(job, accelerator)
-    plans = [PLAN.pack(..., inside=moment.inside) for moment in exposure]
-    trace_passes(over_moments(work, film, plans[0], job.size), film, ...)      # work(tile, thread, moment's number)
+    moments, middle = expose(job, accelerator)
+    plans = [PLAN.pack(..., inside=moment.inside) for moment in moments]
+    trace_passes(over_moments(work, film, plans[0], len(moments)), film, ...)      # work(tile, thread, moment's number)
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
@@ -29,7 +29,7 @@ from isophote.rendering.pool import Tile
 from isophote.scene.material import Glass
 from isophote.scene.scene import Scene
 
-__all__ = ["Moment", "expose", "over_moments", "shutter_times"]
+__all__ = ["Exposure", "Moment", "expose", "over_moments", "shutter_times"]
 
 Points: TypeAlias = npt.NDArray[np.float64]
 
@@ -47,19 +47,28 @@ class Moment(NamedTuple):
     inside: int
 
 
-def expose(job: Job, accelerator: str = "bvh") -> list[Moment]:
-    """The scene of a job at the moments of its shutter: at one where nothing moves."""
+class Exposure(NamedTuple):
+    """A scene at the moments of its shutter, one where nothing moves, and as it stands halfway through."""
+
+    moments: Sequence[Moment]
+    middle: Packed
+
+
+def expose(job: Job, accelerator: str = "bvh") -> Exposure:
+    """The scene of a job while its shutter is open."""
     if not job.scene.moves:
         still = job.scene.still()
         around = media_around(still, job.threads)
         tables = lower_scene(still, job.size, job.threads, accelerator)
-        return [Moment(tables, packed_media(tables, around))]
+        return Exposure([Moment(tables, packed_media(tables, around))], tables)
+    opened, closed = job.scene.shutter
     times = shutter_times(job.scene, _moments(job.scene, job.size), job.seed)
-    lowered = lower_moments(job.scene, job.size, times, job.threads, accelerator)
+    *lowered, middle = lower_moments(job.scene, job.size, [*times, opened / 2 + closed / 2], job.threads, accelerator)
     if not any(isinstance(item.material, Glass) for item in job.scene.items):
-        return [Moment(tables, 0) for tables in lowered]
+        return Exposure([Moment(tables, 0) for tables in lowered], middle)
     around_at = (media_around(job.scene.still(time), job.threads) for time in times)
-    return [Moment(tables, packed_media(tables, around)) for tables, around in zip(lowered, around_at, strict=True)]
+    pairs = zip(lowered, around_at, strict=True)
+    return Exposure([Moment(tables, packed_media(tables, around)) for tables, around in pairs], middle)
 
 
 def shutter_times(scene: Scene, count: int, seed: int) -> list[float]:

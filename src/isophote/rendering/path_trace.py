@@ -11,7 +11,6 @@ from isophote.kernels.trace.path import path_trace_tile
 from isophote.kernels.trace.tables import PLAN
 from isophote.kernels.trace.wave import new_wave
 from isophote.lower.field_table import scratch_words
-from isophote.lower.scene import lower_scene
 from isophote.rendering.exposure import Moment, expose, over_moments
 from isophote.rendering.film import Film
 from isophote.rendering.image import Image
@@ -63,11 +62,10 @@ class PathTrace:
         warm_up(job.report, job.scene, "path", self.accelerator)
         began = time.monotonic()
         job.report("building the tree", 0.0)
-        moments = expose(job, self.accelerator)
+        moments, middle = expose(job, self.accelerator)
         job.report("building the tree", 1.0)
         pool = Pool(job.threads)
         film = self._trace(moments, job, pool, began)
-        middle = lower_scene(job.scene, job.size, job.threads, self.accelerator)
         channels = first_hit_channels(middle, job.size, Pool(job.threads))
         metadata = {
             "method": repr(self),

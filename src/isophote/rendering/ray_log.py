@@ -125,7 +125,7 @@ def log_pixel(job: Job, method: RayTrace, pixel: tuple[int, int]) -> PixelLog:
     if not (0 <= x < width and 0 <= y < height):
         raise RenderError(f"pixel must be (column, row) within {width} × {height}, not {pixel!r}")
     method = attrs.evolve(method, seconds=None, noise=None)
-    moments = expose(job, method.accelerator)
+    moments, _ = expose(job, method.accelerator)
     log, tiles = _traced(moments, job, method, (x, y), _FIRST_RAYS, _FIRST_LIGHTS)
     rays, lights = (int(count) for count in log.arrays["counts"])
     if rays > _FIRST_RAYS or lights > _FIRST_LIGHTS:

@@ -9,7 +9,6 @@ import attrs
 import numpy as np
 
 from isophote.errors import RenderError
-from isophote.lower.scene import lower_scene
 from isophote.rendering.exposure import expose
 from isophote.rendering.image import Image
 from isophote.rendering.method import Job, checked_accelerator, first_hit_channels
@@ -78,13 +77,12 @@ class RayTrace:
         warm_up(job.report, job.scene, "ray", self.accelerator)
         began = time.monotonic()
         job.report("building the tree", 0.0)
-        moments = expose(job, self.accelerator)
+        moments, middle = expose(job, self.accelerator)
         job.report("building the tree", 1.0)
         pool = Pool(job.threads)
         tiles = RayTiles(self, moments, job, pool.threads)
         film, rays = tiles.film, tiles.rays
         trace_passes(tiles.trace, film, self.limits, job, pool, "ray tracing", began)
-        middle = lower_scene(job.scene, job.size, job.threads, self.accelerator)
         channels = first_hit_channels(middle, job.size, Pool(job.threads))
         metadata = {
             "method": repr(self),

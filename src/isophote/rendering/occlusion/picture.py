@@ -14,7 +14,6 @@ from isophote.kernels.trace.occlusion_picture import SKY, occlusion_tile
 from isophote.kernels.trace.tables import PLAN
 from isophote.kernels.trace.wave import new_wave
 from isophote.lower.field_table import scratch_words
-from isophote.lower.scene import lower_scene
 from isophote.rendering.exposure import Moment, expose, over_moments
 from isophote.rendering.film import Film
 from isophote.rendering.image import Image
@@ -78,8 +77,7 @@ class AmbientOcclusion:
         began = time.monotonic()
         job.report("building the tree", 0.0)
         unlit = attrs.evolve(job, scene=job.scene.with_(lights=()))
-        moments = expose(unlit) if self.by == "rays" else []
-        scene = lower_scene(unlit.scene, job.size, job.threads)
+        moments, scene = expose(unlit)
         job.report("building the tree", 1.0)
         pool = Pool(job.threads)
         channels = dict(first_hit_channels(scene, job.size, Pool(job.threads)))
