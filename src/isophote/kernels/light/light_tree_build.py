@@ -33,6 +33,7 @@ _BINS, _FEW_BINS, _FEW = 12, 6, 8
 # What is halved by number from this level on is no deeper than 32 levels more.
 _DEEPEST = 48
 _THIN = np.float32(1 / 64)
+_SMALLEST = np.float32(1e-15)
 _ZERO, _ONE, _HALF, _QUARTER = np.float32(0), np.float32(1), np.float32(0.5), np.float32(0.25)
 _INFINITY = np.float32(np.inf)
 # M_Ω / 4π of a cone with θ_e = π / 2 as a cubic in sin(θ / 2), to 2 %.
@@ -280,13 +281,11 @@ def _write_lane(nodes, node, wide, at, lane):
         radius2 += half * half
         store_float(wide, at + layout.MIDDLE + 8 * k + lane, middle)
         store_float(wide, at + layout.AXIS + 8 * k + lane, nodes[own + _MEAN + k])
-    opening = nodes[own + _OPENING]
-    store_float(wide, at + layout.RADIUS2 + lane, radius2)
-    store_float(wide, at + layout.OPENING + lane, opening)
-    store_float(wide, at + layout.OPENING + 8 + lane, math.sqrt(max(_ZERO, _ONE - opening * opening)))
+    store_float(wide, at + layout.RADIUS + lane, max(math.sqrt(radius2), _SMALLEST))
+    store_float(wide, at + layout.OPENING + lane, nodes[own + _OPENING])
     store_float(wide, at + layout.REACH + lane, nodes[own + _REACH])
-    store_float(wide, at + layout.INTENSITY + lane, nodes[own + _INTENSITY])
-    store_float(wide, at + layout.SIDE + lane, -_ONE if nodes[own + _SIDE] < _ZERO else _ONE)
+    sign = -_ONE if nodes[own + _SIDE] < _ZERO else _ONE
+    store_float(wide, at + layout.INTENSITY + lane, sign * nodes[own + _INTENSITY])
 
 
 @kernel

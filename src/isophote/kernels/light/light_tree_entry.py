@@ -16,10 +16,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from isophote.kernels.base.entry import entry, floats_at, opener_at
+from isophote.kernels.base.doubles import doubles_at
+from isophote.kernels.base.entry import element_address, entry, floats_at, opener_at
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.random import combine
 from isophote.kernels.base.simd import (
+    absolute,
     load8,
     load_int,
     maximum,
@@ -44,10 +46,10 @@ from isophote.kernels.light.light_tree_layout import (
     NUMBER,
     OPENING,
     PLACE,
-    RADIUS2,
+    RADIUS,
     REACH,
     SHARES,
-    SIDE,
+    SUMS,
 )
 
 __all__ = ["ask_light_tree"]
@@ -60,20 +62,7 @@ _NODE, _LANES, _LANE = np.int64(NODE), np.int64(3), np.int64(7)
 _FINEST = 2.0**-56
 _ONE_BELOW = 1 - 2.0**-53
 _ROOT, _NONE = np.int64(0), np.int64(-1)
-_WORDS = np.int64(ASK_WORDS)
-
-
-@device
-def _less_angle(cosine, sine, cosine_less, sine_less):
-    """cos max(a − b, 0) of two angles a, b from 0 to π."""
-    one = splat8(_ONE)
-    return select(cosine < cosine_less, cosine * cosine_less + sine * sine_less, one)
-
-
-@device
-def _sine(cosine):
-    one, zero = splat8(_ONE), splat8(_ZERO)
-    return square_root(maximum(one - cosine * cosine, zero))
+_WORDS, _SUMS, _LANES_64 = np.int64(ASK_WORDS), np.int64(SUMS), np.int64(LANES)
 
 
 @device
@@ -83,71 +72,81 @@ def _bound_children(nodes, at, ask):
     x = load8(nodes, at + MIDDLE) - splat8(ask[PLACE])
     y = load8(nodes, at + MIDDLE + 8) - splat8(ask[PLACE + 1])
     z = load8(nodes, at + MIDDLE + 16) - splat8(ask[PLACE + 2])
-    radius2 = load8(nodes, at + RADIUS2)
-    distance2 = maximum(x * x + y * y + z * z, splat8(_LEAST))
-    closeness2 = one / distance2
-    closeness = square_root(closeness2)
-    sine2 = minimum(radius2 * closeness2, one)
-    sine_u, cosine_u = square_root(sine2), square_root(one - sine2)
-    inside = distance2 < radius2
-    # From the axis, less its cone, less the ball.
+    closeness = square_root(one / maximum(x * x + y * y + z * z, splat8(_LEAST)))
+    # Sine of θ_u, above 1 within the ball. cos(θ − θ_u) ≤ cosθ + 2 sinθ_u, and both cos(θ − θ_u) and cosθ + sinθ_u
+    # vanish where θ = π / 2 + θ_u.
+    radius = load8(nodes, at + RADIUS)
+    ball = radius * closeness + slack
     toward = load8(nodes, at + AXIS) * x + load8(nodes, at + AXIS + 8) * y + load8(nodes, at + AXIS + 16) * z
     cosine = zero - toward * closeness
-    cosine = maximum(cosine, cosine * load8(nodes, at + SIDE))
-    cosine = maximum(minimum(cosine, one), zero - one)
-    cosine_o, sine_o = load8(nodes, at + OPENING), load8(nodes, at + OPENING + 8)
-    cosine = _less_angle(cosine, _sine(cosine), cosine_o, sine_o)
-    cosine = select(inside, one, _less_angle(cosine, _sine(cosine), cosine_u, sine_u)) + slack
-    reach = load8(nodes, at + REACH)
-    share = select(reach < cosine, cosine, zero) * load8(nodes, at + INTENSITY) / maximum(distance2, radius2)
+    signed = load8(nodes, at + INTENSITY)
+    cosine = select(signed < zero, absolute(cosine), cosine)
+    sine = square_root(maximum(one - cosine * cosine, zero))
+    opening = load8(nodes, at + OPENING)
+    outside = cosine * opening + sine * square_root(maximum(one - opening * opening, zero))
+    cosine = select(cosine < opening, outside, one) + ball
+    within = load8(nodes, at + REACH) < cosine + ball
+    share = select(within, maximum(minimum(cosine, one), zero), zero) * absolute(signed)
+    near = minimum(closeness, one / radius)
+    share = share * (near * near)
     normal = load_vec3(ask, NORMAL)
     if dot(normal, normal) > _ZERO:
-        above = (splat8(normal.x) * x + splat8(normal.y) * y + splat8(normal.z) * z) * closeness
-        above = maximum(minimum(above, one), zero - one)
-        above = select(inside, one, _less_angle(above, _sine(above), cosine_u, sine_u)) + slack
-        share = share * maximum(above, zero)
+        above = (splat8(normal.x) * x + splat8(normal.y) * y + splat8(normal.z) * z) * closeness + ball
+        share = share * maximum(minimum(above, one), zero)
     store8(ask, SHARES, share)
 
 
 @device
-def _total(ask):
-    """Sum of the shares in the scratch, in double precision, so that those that hardly count count rightly."""
-    total = 0.0
-    for lane in range(LANES):
-        total += np.float64(ask[SHARES + lane])
-    return total
+def _sums(ask):
+    return doubles_at(element_address(ask, _SUMS), _LANES_64)
+
+
+@device
+def _add_up(ask):
+    """Sums of the shares up to each, in double precision, so that those that hardly count count rightly; the whole."""
+    sums = _sums(ask)
+    for pair in range(0, LANES, 2):
+        sums[pair] = np.float64(ask[SHARES + pair])
+        sums[pair + 1] = sums[pair] + np.float64(ask[SHARES + pair + 1])
+    for four in range(0, LANES, 4):
+        sums[four + 2] += sums[four + 1]
+        sums[four + 3] += sums[four + 1]
+    for lane in range(4, LANES):
+        sums[lane] += sums[3]
+    return sums[7]
 
 
 @device
 def _choose(ask, wanted):
-    """(lane, what comes before it) of the share in which `wanted` falls, in the scratch's own units."""
-    before, found, last = 0.0, np.int64(-1), 0.0
-    for lane in range(LANES):
-        share = np.float64(ask[SHARES + lane])
-        if share > 0.0 and before <= wanted:
-            found, last = np.int64(lane), before
-        before += share
-    return found, last
+    """The share in which `wanted` falls, by the sums; counted, since a branch would be guessed wrong."""
+    sums, lane = _sums(ask), np.int64(0)
+    for k in range(LANES):
+        lane += sums[k] <= wanted
+    # Rounded up to the whole: the last share that counts.
+    while lane > 0 and not ask[SHARES + min(lane, _LANE)] > _ZERO:
+        lane -= 1
+    return min(lane, _LANE)
 
 
 @device
 def _pick(tree, ask):
     """A light, or −1 where none can send any light to the place; its chance."""
     nodes, node, chance = tree.nodes, np.int64(0), 1.0
+    sums = _sums(ask)
     # The number has 24 bits, some lights a smaller chance; what is below comes from the place.
     finer = combine(np.uint32(load_int(ask, PLACE)), np.uint32(load_int(ask, NUMBER)))
     u = np.float64(ask[NUMBER]) + np.float64(finer) * _FINEST
     while node >= 0:
         at = node * _NODE
         _bound_children(nodes, at, ask)
-        total = _total(ask)
+        total = _add_up(ask)
         if not total > 0.0:
             ask[CHANCE] = _ONE
             return _NONE
-        lane, before = _choose(ask, u * total)
+        lane = _choose(ask, u * total)
         share = np.float64(ask[SHARES + lane])
         chance *= share / total
-        u = min((u * total - before) / share, _ONE_BELOW)
+        u = min(max((u * total - sums[lane]) / share + 1.0, 0.0), _ONE_BELOW)
         node = np.int64(load_int(nodes, at + CHILDREN + lane))
     ask[CHANCE] = np.float32(chance)
     return ~node
@@ -164,7 +163,7 @@ def _chance_of(tree, ask, k):
         if not share > 0.0:
             ask[CHANCE] = _ZERO
             return k
-        chance *= share / _total(ask)
+        chance *= share / _add_up(ask)
         hung = np.int64(tree.parents[node])
     ask[CHANCE] = np.float32(chance)
     return k
