@@ -13,15 +13,17 @@ from isophote.kernels.base.table import Packed
 from isophote.kernels.trace.tables import SCENE
 from isophote.lower.field_table import FieldPart, endless, no_fields
 from isophote.lower.geometry import Part, lower_geometry
+from isophote.lower.lamps import lamp_primitive, many_lamps
 from isophote.lower.latest import Latest
 from isophote.lower.lights import LightTable, rectangle_mesh
 from isophote.lower.materials import MaterialTable, aimed_emission_of
 from isophote.lower.media import lower_media
 from isophote.lower.own_space import own_spaces
 from isophote.lower.primitive_table import PrimitivePart, no_primitives, primitive_of
-from isophote.scene.light import RectLight
+from isophote.scene.light import DiskLight, RectLight
 from isophote.scene.material import Emitter
-from isophote.scene.scene import Bounds, Item, Scene, placed_box
+from isophote.scene.material_base import Material
+from isophote.scene.scene import Bounds, Scene, placed_box
 from isophote.shapes.mesh import Mesh
 from isophote.shapes.primitive.extent import boxes_around
 from isophote.shapes.primitive.primitive import Primitive
@@ -71,13 +73,15 @@ def camera_rows(scene: Scene, size: tuple[int, int]) -> npt.NDArray[np.float32]:
 
 
 class Parts(NamedTuple):
-    """The items of a scene by kind, and the materials and lights among them so far."""
+    """The items of a scene by kind, the materials and lights among them so far, and the numbers of lights that are
+    there as primitives."""
 
     meshes: list[Part]
     fields: list[FieldPart]
     primitives: list[PrimitivePart]
     materials: MaterialTable
     lights: LightTable
+    lamps: frozenset[int] = frozenset()
 
 
 def tables_of(
@@ -110,7 +114,7 @@ def tables_of(
 def lights_of(scene: Scene, parts: Parts, reach: float) -> Packed:
     """The table of all lights, those of a still scene added to those of its parts; `reach` is the scene's radius."""
     for number, light in enumerate(scene.lights, start=len(scene.items)):
-        if not isinstance(light, RectLight):
+        if not isinstance(light, RectLight) and number not in parts.lamps:
             parts.lights.add(light, reach, number)
     return parts.lights.build(reach)
 
@@ -162,22 +166,31 @@ def parts_of(scene: Scene, marched: bool = False, moving: Set[int] = frozenset()
         if primitive is None:
             parts.fields.append(FieldPart(_field(item.shape, number), matrix, material, number))
         else:
-            parts.primitives.append(_primitive_part(parts, item, primitive.placed(matrix), material, number))
+            parts.primitives.append(_primitive_part(parts, item.material, primitive.placed(matrix), number))
     for number, light in enumerate(scene.lights, start=len(scene.items)):
         if isinstance(light, RectLight):
             mesh, matrix, radiance = rectangle_mesh(light), light.transform.matrix, light.radiance_rgb
             own = parts.lights.add_mesh(mesh, matrix, radiance, light.two_sided, number)
             material = parts.materials.number(Emitter(radiance, two_sided=light.two_sided))
             parts.meshes.append(Part(mesh, matrix, material, number, own))
-    return parts
+    return parts if marched else _with_lamps(parts, scene)
 
 
-def _primitive_part(parts: Parts, item: Item, placed: Primitive, material: int, number: int) -> PrimitivePart:
+def _with_lamps(parts: Parts, scene: Scene) -> Parts:
+    """With disk and sphere lights among the primitives, where there are many."""
+    lamps = many_lamps(scene)
+    for number, light in lamps.items():
+        emitter = Emitter(light.radiance_rgb, two_sided=isinstance(light, DiskLight) and light.two_sided)
+        parts.primitives.append(_primitive_part(parts, emitter, lamp_primitive(light), number))
+    return parts._replace(lamps=frozenset(lamps))
+
+
+def _primitive_part(parts: Parts, shown: Material, placed: Primitive, number: int) -> PrimitivePart:
     """A primitive where it stands. Those that shine are aimed at where they are spheres or disks; others are met by
     chance."""
-    radiance, two_sided = aimed_emission_of(item.material)
+    radiance, two_sided = aimed_emission_of(shown)
     light = parts.lights.add_primitive(placed, radiance, two_sided, number) if max(radiance) > 0 else -1
-    return PrimitivePart(placed, material, number, light)
+    return PrimitivePart(placed, parts.materials.number(shown), number, light)
 
 
 def _is_field(shape: object) -> bool:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from functools import cache
 from typing import Any
 
 import attrs
 import numpy as np
+import numpy.typing as npt
 
 from isophote.errors import SceneError
 from isophote.scene.colour import WHITE, Colour
@@ -35,6 +37,13 @@ def _cone(instance: Any, attribute: attrs.Attribute[Any], value: Any) -> None:
             f"SpotLight: {attribute.name} is the cone's full angle, above 0 and at most 180 degrees, not {value!r}; "
             "a PointLight shines to all sides"
         )
+
+
+@cache
+def _gauss_legendre() -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+    """Places and weights of Gauss's quadrature from −1 to 1."""
+    places, weights = np.polynomial.legendre.leggauss(64)
+    return places, weights
 
 
 @attrs.frozen
@@ -106,7 +115,8 @@ class SpotLight:
     @property
     def intensity_rgb(self) -> Colour:
         """Radiant intensity in W/sr on the axis, by channels."""
-        r, g, b = (channel * self.intensity for channel in self.colour)
+        intensity = self.intensity
+        r, g, b = (channel * intensity for channel in self.colour)
         return r, g, b
 
     @property
@@ -116,7 +126,7 @@ class SpotLight:
         m = self.exponent + 1
         # 1 − cosᵐ without cancelling, for narrow cones.
         whole = -math.expm1(m * math.log(inner)) / m if inner > 0 else 1 / m
-        nodes, weights = np.polynomial.legendre.leggauss(64)
+        nodes, weights = _gauss_legendre()
         u = (nodes + 1) / 2
         edge = (outer + (inner - outer) * u) ** self.exponent * u * u * (3 - 2 * u)
         return 2 * math.pi * (whole + (inner - outer) / 2 * float(weights @ edge))
