@@ -55,6 +55,7 @@ _HOME = {
     "Mirror": "scene.material",
     "Mix": "scene.compound",
     "Motion": "scene.motion",
+    "NormalMap": "scene.relief",
     "Occlusion": "rendering.occlusion.points",
     "OrenNayar": "scene.gloss",
     "OrthographicCamera": "scene.camera",

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from isophote.accel.accelerator import Built, build_accelerator
 from isophote.convert.triangulate import Triangles, triangulate
 from isophote.errors import SceneError
-from isophote.kernels.accel.surface import SURFACES
+from isophote.kernels.accel.surface import ITEM_COLUMNS, SURFACES
 from isophote.kernels.base.table import Packed
 from isophote.lower.objects import join_objects, keep_alive
 from isophote.lower.placement import IDENTITY, Place, place_instances
@@ -26,11 +26,14 @@ Matrix: TypeAlias = npt.NDArray[np.float64]
 # A mesh used several times is still copied into the world's one tree if the copies stay below this many triangles: an
 # instance costs every ray that comes near its box.
 _BAKED_TRIANGLES = 65_536
+# Of a tangent and the sign of the other axis.
+_TANGENT_WIDTH = 4
 
 
 class Part(NamedTuple):
     """An item made ready for lowering: its mesh, where it stands, its material's number, its number for the user, for
-    each triangle (or None) the number of the light that it is, and whether it will be moved."""
+    each triangle (or None) the number of the light that it is, whether it will be moved, and whether a normal map lies
+    on it."""
 
     mesh: Mesh
     matrix: Matrix
@@ -38,6 +41,7 @@ class Part(NamedTuple):
     public: int
     lights: IntArray | None
     moving: bool = False
+    mapped: bool = False
 
 
 class _Rows:
@@ -71,12 +75,13 @@ class _SurfaceBuilder:
         self.items: list[tuple[int, ...]] = []
         self.normals, self.normal_corners = _Rows(), _Rows()
         self.uvs, self.uv_corners = _Rows(), _Rows()
+        self.tangents, self.tangent_corners = _Rows(), _Rows()
         self.faces, self.lights = _Rows(), _Rows()
 
     def add_bare(self, material: int, public: int, light: int) -> None:
         """An item without triangles, and the light that it is, or −1."""
         lights = -1 if light < 0 else self.lights.add(np.array([light], np.int32))
-        self.items.append((0, material, lights, -1, -1, -1, 0, public))
+        self.items.append((0, material, lights, -1, -1, -1, 0, public, -1))
 
     def add(self, part: Part, cut: Triangles, first_triangle: int, world: Matrix) -> None:
         """One item; `world` takes its normals from the mesh to where its object stands."""
@@ -90,21 +95,25 @@ class _SurfaceBuilder:
                 first_triangle,
                 part.material,
                 lights,
-                self._normals(mesh, cut, linear),
+                self._normals(mesh, cut, linear, part.mapped),
                 self._uvs(mesh, cut),
                 faces,
                 int(turned_over),
                 part.public,
+                self._tangents(mesh, cut, linear) if part.mapped else -1,
             )
         )
 
-    def _normals(self, mesh: Mesh, cut: Triangles, linear: Matrix) -> int:
+    def _normals(self, mesh: Mesh, cut: Triangles, linear: Matrix, mapped: bool) -> int:
         attribute = mesh.normals
         if attribute is None:
             return -1
         values = np.asarray(attribute.values[:, :3], np.float64)
         if not (linear == IDENTITY[:3, :3]).all():
             values = values @ np.linalg.inv(linear)
+            if mapped:
+                # Their lengths count beside those of tangents.
+                values *= abs(np.linalg.det(linear)) ** (1 / 3)
             return self.normal_corners.add(_rows_of(attribute, mesh, cut, self.normals.add(_floats(values))))
         first = self.normals.once(mesh, _floats(values))
         return self.normal_corners.once(mesh, _rows_of(attribute, mesh, cut, first))
@@ -116,15 +125,33 @@ class _SurfaceBuilder:
         first = self.uvs.once(mesh, _floats(attribute.values[:, :2]))
         return self.uv_corners.once(mesh, _rows_of(attribute, mesh, cut, first))
 
+    def _tangents(self, mesh: Mesh, cut: Triangles, linear: Matrix) -> int:
+        """First row of an item's tangents: those of its mesh, or such as MikkTSpace has them."""
+        attribute = mesh.attributes.get("tangent")
+        if attribute is None or attribute.values.shape[1] != _TANGENT_WIDTH:
+            if mesh.uvs is None:
+                return -1
+            # Loaded where there is a normal map.
+            from isophote.convert.tangents import tangents
+
+            attribute = tangents(mesh)
+        values = np.array(attribute.values, np.float64)
+        values[:, :3] = values[:, :3] @ linear.T
+        size = np.linalg.norm(values[:, :3], axis=1, keepdims=True)
+        values[:, :3] /= np.where(size > 0, size, 1.0)
+        return self.tangent_corners.add(_rows_of(attribute, mesh, cut, self.tangents.add(_floats(values))))
+
     def build(self, spans: IntArray, slack: FloatArray) -> Packed:
         return SURFACES.pack(
-            items=np.array(self.items, np.int32).reshape(-1, 8),
+            items=np.array(self.items, np.int32).reshape(-1, ITEM_COLUMNS),
             spans=spans,
             slack=slack,
             normals=self.normals.table(3, np.float32),
             normal_corners=self.normal_corners.table(3, np.int32),
             uvs=self.uvs.table(2, np.float32),
             uv_corners=self.uv_corners.table(3, np.int32),
+            tangents=self.tangents.table(_TANGENT_WIDTH, np.float32),
+            tangent_corners=self.tangent_corners.table(3, np.int32),
             faces=self.faces.table(0, np.int32),
             triangle_lights=self.lights.table(0, np.int32),
         )

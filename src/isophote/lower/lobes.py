@@ -19,8 +19,10 @@ from isophote.kernels.brdf import (
     principled,
     rough_glass,
     thin_glass,
+    turned,
     ward,
 )
+from isophote.kernels.trace.turned_normal import NORMAL_MAP
 from isophote.lower.albedo import coat_table, mean_conductor, ring_chances, split_tables
 from isophote.lower.node import Node, Slot
 from isophote.scene.colour import Colour
@@ -30,6 +32,7 @@ from isophote.scene.material import Glass, Matte, Mirror, Principled
 from isophote.scene.material_base import ColourParameter, Material, NumberParameter
 from isophote.scene.measured import Measured
 from isophote.scene.metal import Metal
+from isophote.scene.relief import NormalMap
 from isophote.scene.texture import Texture
 from isophote.scene.thin_glass import ThinGlass
 
@@ -187,7 +190,35 @@ def _(material: Principled) -> Node:
     # What is left of ambient light, 1 + strength (texel − 1), as a sum of two.
     left = () if occlusion is None else (Slot((1 - strength,) * 3), Slot((strength,) * 3, occlusion, _RED))
     entries = principled.evaluate_principled, principled.sample_principled, None
-    return Node(entries, slots + left, split_tables(), openness=len(slots) if left else 0)
+    node = Node(entries, slots + left, split_tables(), openness=len(slots) if left else 0)
+    if material.normal_texture is None:
+        return node
+    return _turned(node, _normals(material.normal_texture, material.normal_scale))
+
+
+@node_of.register
+def _(material: NormalMap) -> Node:
+    return _turned(node_of(material.material), _normals(material.texture, material.scale))
+
+
+def _normals(texture: Texture, scale: float) -> Slot:
+    return Slot((scale, scale, 1.0), texture, NORMAL_MAP)
+
+
+def _turned(base: Node, normal: Slot) -> Node:
+    """A node as if its surface had the normal of a slot."""
+    entries = turned.evaluate_turned, turned.sample_turned, turned.branch_turned
+    return Node(
+        entries,
+        (normal,),
+        children=(base,),
+        branches=base.branches,
+        scatters=base.scatters,
+        anisotropic=base.anisotropic,
+        openness=base.openness,
+        through=base.through,
+        turned=True,
+    )
 
 
 @node_of.register

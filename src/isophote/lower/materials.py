@@ -15,11 +15,12 @@ from isophote.lower.node import Cut, Node, Slot, no_nodes
 from isophote.lower.textures import TextureTable
 from isophote.scene.cutout import ALPHA, Cutout, alpha_channel
 from isophote.scene.material import Emitter, Glass, Matte, Mirror, Principled
-from isophote.scene.material_base import ColourParameter, Material
+from isophote.scene.material_base import ColourParameter, Material, parts_of
 from isophote.scene.nearest import nearest_principled
+from isophote.scene.relief import NormalMap
 from isophote.scene.texture import Texture
 
-__all__ = ["MaterialTable", "aimed_emission_of", "emission_of", "is_linked"]
+__all__ = ["MaterialTable", "aimed_emission_of", "emission_of", "is_linked", "is_mapped"]
 
 Floats: TypeAlias = npt.NDArray[np.float32]
 
@@ -105,6 +106,14 @@ def aimed_emission_of(material: Material) -> tuple[tuple[float, float, float], b
     aims does not know of holes."""
     row = _row(material)
     return (row.emission, row.two_sided) if row.cut is None else (_BLACK, False)
+
+
+def is_mapped(material: Material) -> bool:
+    """Whether a normal map lies on a material, or on one inside it."""
+    return any(
+        isinstance(part, NormalMap) or (isinstance(part, Principled) and part.normal_texture is not None)
+        for part in parts_of(material)
+    )
 
 
 def is_linked(material: Material) -> bool:

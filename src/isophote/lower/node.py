@@ -19,7 +19,7 @@ __all__ = ["SPAN", "Cut", "Node", "Slot", "no_nodes"]
 Floats: TypeAlias = npt.NDArray[np.float32]
 
 # Columns of `Materials.spans`.
-SPAN = 5
+SPAN = 6
 
 
 @attrs.frozen
@@ -45,7 +45,7 @@ class Node:
     """A node of a material: its entries (evaluate, sample, branch), slots, numbers in `data`, what it mixes or coats,
     how many single directions it sends light to, whether it scatters to all others, whether the tangent matters,
     the first of the two slots whose sum is what ambient light is multiplied by, or 0 where all of it arrives, and
-    whether it scatters through the surface, too."""
+    whether it scatters through the surface, too. The first slot of one that is `turned` is the normal that is seen."""
 
     entries: tuple[Entry, Entry, Entry | None]
     slots: tuple[Slot, ...]
@@ -56,6 +56,7 @@ class Node:
     anisotropic: bool = False
     openness: int = 0
     through: bool = False
+    turned: bool = False
 
 
 @attrs.frozen

@@ -57,12 +57,15 @@ class NodeTable:
         count = len(self._slots) - first
         if count > MOST_SLOTS:
             raise SceneError(f"a material mixes or coats too much: {count} parameters, of {MOST_SLOTS} at most")
-        return number, first, count, int(root.anisotropic), root.openness
+        # The root's own slots come last.
+        turned = count - len(root.slots) + 1 if root.turned else 0
+        return number, first, count, int(root.anisotropic), root.openness, turned
 
     def _add(self, node: Node, first: int) -> int:
+        # What is inside comes first, so that its slots are where they are without what is around it.
+        children = [*(self._add(child, first) for child in node.children), 0, 0][:2]
         own = len(self._slots) - first
         self._slots += node.slots
-        children = [*(self._add(child, first) for child in node.children), 0, 0][:2]
         addresses = [0 if entry is None else entry.address for entry in node.entries]
         self._nodes.append([*addresses, own, self._place(node.data), *children, node.branches])
         return len(self._nodes) - 1

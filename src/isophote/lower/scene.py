@@ -16,7 +16,7 @@ from isophote.lower.geometry import Part, lower_geometry
 from isophote.lower.lamps import lamp_primitive, many_lamps
 from isophote.lower.latest import Latest
 from isophote.lower.lights import LightTable, rectangle_mesh
-from isophote.lower.materials import MaterialTable, aimed_emission_of
+from isophote.lower.materials import MaterialTable, aimed_emission_of, is_mapped
 from isophote.lower.media import lower_media
 from isophote.lower.own_space import own_spaces
 from isophote.lower.primitive_table import PrimitivePart, no_primitives, primitive_of
@@ -160,7 +160,9 @@ def parts_of(scene: Scene, marched: bool = False, moving: Set[int] = frozenset()
         if isinstance(item.shape, Mesh):
             radiance, two_sided = aimed_emission_of(item.material)
             own = parts.lights.add_mesh(item.shape, matrix, radiance, two_sided, number) if max(radiance) > 0 else None
-            parts.meshes.append(Part(item.shape, matrix, material, number, own, number in moving))
+            parts.meshes.append(
+                Part(item.shape, matrix, material, number, own, number in moving, is_mapped(item.material))
+            )
             continue
         primitive = None if marched and _is_field(item.shape) else primitive_of(item.shape)
         if primitive is None:

@@ -21,14 +21,14 @@ from isophote.scene.material_base import (
     roughness,
 )
 
-__all__ = ["Coated", "Mix", "Plastic"]
+__all__ = ["Coated", "Mix", "Plastic", "inner_material"]
 
 _LIGHT_GREY: Colour = (0.8, 0.8, 0.8)
 _LARGEST_INDEX = 10.0
 
 
-def _part(instance: Any, attribute: attrs.Attribute[Any], value: Any) -> None:
-    """A material that does not shine: what is inside another is no light that could be aimed at."""
+def inner_material(instance: Any, attribute: attrs.Attribute[Any], value: Any) -> None:
+    """A validator of what may be inside another: without holes, and not shining, which could not be aimed at."""
     kind = type(instance).__name__
     if not isinstance(value, Material):
         raise SceneError(f"{kind}: {attribute.name} must be a material, but is {value!r}")
@@ -67,7 +67,7 @@ class Coated(Material):
     number from 0 to 1 or a texture. Light that the coat sends back down is left out, so that coated things are darker.
     """
 
-    base: Material = attrs.field(validator=_part)
+    base: Material = attrs.field(validator=inner_material)
     roughness: NumberParameter = attrs.field(default=0.0, converter=number_or_texture, validator=roughness)
     ior: float = attrs.field(default=1.5, converter=as_number, validator=_coat_index)
 
@@ -79,6 +79,6 @@ class Mix(Material):
     `amount` is a number from 0 to 1, or a texture.
     """
 
-    first: Material = attrs.field(validator=_part)
-    second: Material = attrs.field(validator=_part)
+    first: Material = attrs.field(validator=inner_material)
+    second: Material = attrs.field(validator=inner_material)
     amount: NumberParameter = attrs.field(default=0.5, converter=number_or_texture, validator=roughness)

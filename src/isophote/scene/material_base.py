@@ -19,6 +19,7 @@ __all__ = [
     "albedo",
     "colour_or_texture",
     "number_or_texture",
+    "parts_of",
     "roughness",
     "roughness_pair",
     "textures_of",
@@ -32,6 +33,16 @@ class Material:
     """What a surface does with light: the type of all materials, which are frozen values."""
 
     __slots__ = ()
+
+
+def parts_of(material: Material) -> list[Material]:
+    """A material and all those inside it."""
+    found = [material]
+    for field in attrs.fields(type(material)):  # type: ignore[arg-type]
+        value = getattr(material, field.name)
+        if isinstance(value, Material):
+            found += parts_of(value)
+    return found
 
 
 def textures_of(material: Material) -> list[Texture]:

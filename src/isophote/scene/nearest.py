@@ -14,6 +14,7 @@ from isophote.scene.material import Emitter, Glass, Mirror, Principled
 from isophote.scene.material_base import ColourParameter, Material, NumberParameter
 from isophote.scene.measured import Measured
 from isophote.scene.metal import Metal
+from isophote.scene.relief import NormalMap
 from isophote.scene.texture import Texture
 
 __all__ = ["nearest_principled"]
@@ -29,6 +30,9 @@ def nearest_principled(material: Material) -> Principled:
         black = Principled(0.0, roughness=1.0)
         body = black if material.body is None else nearest_principled(material.body)
         return attrs.evolve(body, emission=material.radiance, two_sided=material.two_sided)
+    if isinstance(material, NormalMap):
+        base = nearest_principled(material.material)
+        return attrs.evolve(base, normal_texture=material.texture, normal_scale=material.scale)
     if isinstance(material, Cutout):
         return _cut(material)
     if isinstance(material, Coated):

@@ -27,7 +27,8 @@ __all__ = [
 ]
 
 # Columns of `Surfaces.items`.
-FIRST_TRIANGLE, MATERIAL, LIGHTS, NORMALS, UVS, FACES, FLIPPED, PUBLIC = 0, 1, 2, 3, 4, 5, 6, 7
+FIRST_TRIANGLE, MATERIAL, LIGHTS, NORMALS, UVS, FACES, FLIPPED, PUBLIC, TANGENTS = 0, 1, 2, 3, 4, 5, 6, 7, 8
+ITEM_COLUMNS = 9
 
 _ZERO, _ONE = np.float32(0), np.float32(1)
 # Rounding of a hit's place in units of 2^-24 times the largest coordinate of its triangle, with room to spare.
@@ -38,12 +39,13 @@ _THIRD = np.float32(1 / 3)
 
 
 # What belongs to triangles apart from their corners.
-# `items` (n, 8): first triangle of the item within its object, material, and the first rows of its lights, normals,
+# `items` (n, 9): first triangle of the item within its object, material, and the first rows of its lights, normals,
 # texture coordinates and faces below (−1: none), 1 where its corners were placed by a transform that mirrors, its
-# number for the user.
+# number for the user, and the first row of its tangents, which only items with a normal map have.
 # `spans` (instances, 2): first item and number of items of each instance.
 # `slack` (instances,): rounding of places on instances that are not in the world's place, in the world's units.
-# `normals` (k, 3), `uvs` (k, 2) with `normal_corners`, `uv_corners` (t, 3), the rows of a triangle's three corners;
+# `normals` (k, 3), `uvs` (k, 2), `tangents` (k, 4) with `normal_corners`, `uv_corners`, `tangent_corners` (t, 3), the
+# rows of a triangle's three corners; the fourth number of a tangent is the sign of n × t along the other axis;
 # `faces` (t,): face of each triangle; `triangle_lights` (t,): light of each triangle, or −1.
 SURFACES = Table(
     "Surfaces",
@@ -54,6 +56,8 @@ SURFACES = Table(
     normal_corners=INT_ROWS,
     uvs=FLOAT_ROWS,
     uv_corners=INT_ROWS,
+    tangents=FLOAT_ROWS,
+    tangent_corners=INT_ROWS,
     faces=INTS,
     triangle_lights=INTS,
 )

@@ -68,7 +68,10 @@ HIT_SLOT, HIT_INSTANCE, ITEM, TRIANGLE, MATERIAL = 42, 43, 44, 45, 46
 PARAMETERS = 48
 MOST_SLOTS = 48
 TEXTURE_PLACE = PARAMETERS + 3 * MOST_SLOTS
-WORDS = TEXTURE_PLACE + texture.WORDS
+# The weights of the second and the third corner of the triangle that was hit.
+WEIGHT1 = TEXTURE_PLACE + texture.WORDS
+WEIGHT2 = WEIGHT1 + 1
+WORDS = WEIGHT2 + 1
 
 _WORDS = np.int64(WORDS)
 _ZERO, _ONE = np.float32(0), np.float32(1)

@@ -38,11 +38,12 @@ _ZERO, _HALF, _ONE = np.float32(0), np.float32(0.5), np.float32(1)
 # to others, so that lights can be aimed at, 2 where some goes through the surface; `branches` (n,): the number of
 # single directions that light is sent to.
 #
-# Of LINKED kinds: `prepare`, the entry of trace/prepare.py; `spans` (n, 5): root node, first slot, number of slots, 1
-# where the tangent matters, and which of the slots is the first of two whose sum is what ambient light is multiplied
-# by, or 0 where none is; `nodes` (m, 8) as in brdf/contract.py; `slot_values` (k, 3) and `slot_codes` (k, 2): a
-# parameter's value and the texture that multiplies it, or −1, with the channel that counts, or −1 for all three;
-# `data`: numbers of whatever kind, such as tables of measured reflectance.
+# Of LINKED kinds: `prepare`, the entry of trace/prepare.py; `spans` (n, 6): root node, first slot, number of slots, 1
+# where the tangent matters, which of the slots is the first of two whose sum is what ambient light is multiplied
+# by, or 0 where none is, and 1 more than that which holds the normal that is seen, or 0 where it is the surface's;
+# `nodes` (m, 8) as in brdf/contract.py; `slot_values` (k, 3) and `slot_codes` (k, 2): a parameter's value and the
+# texture that multiplies it, or −1, with the channel that counts, or −1 for all three, or NORMAL_MAP where texels are
+# turned into a normal of the world; `data`: numbers of whatever kind, such as tables of measured reflectance.
 #
 # `cuts` (n,): the slot of a surface's opacity, which its cut-off follows, or −1 where it is whole; `opacity`,
 # `pass_holes` and `shade_holes`: the entries of trace/hole_rays.py, or 0 where no material is cut out.

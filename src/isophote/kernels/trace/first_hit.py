@@ -14,6 +14,7 @@ from isophote.kernels.trace.camera import camera_ray
 from isophote.kernels.trace.cone import pixel_cone
 from isophote.kernels.trace.direct import closest_direct, is_surface, surface_of
 from isophote.kernels.trace.holes import has_holes, surface_opacity
+from isophote.kernels.trace.material import turned_normal
 from isophote.kernels.trace.shading import surface_colour
 from isophote.kernels.trace.tables import SCENE
 
@@ -70,10 +71,11 @@ def _write_lamp(scene, features, y, x, origin, direction, t, lamp):
 @device
 def _write_surface(scene, features, y, x, origin, direction, hit):
     surface = surface_of(scene, origin, direction, hit, features.scratch)
-    _set(features.normal, y, x, _facing(surface.shading, direction))
     unit = direction / length(direction)
     width, spread = pixel_cone(scene.camera, unit, features.samples)
     radius = width + features.distance[y, x] * spread
+    normal = turned_normal(scene, surface, hit, unit, radius, features.scratch)
+    _set(features.normal, y, x, _facing(normal, direction))
     _set(features.albedo, y, x, surface_colour(scene, surface, hit, unit, radius, features.scratch))
     features.uv[y, 2 * x] = surface.u
     features.uv[y, 2 * x + 1] = surface.v

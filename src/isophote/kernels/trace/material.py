@@ -33,10 +33,13 @@ __all__ = [
     "prepare_material",
     "sample_linked",
     "sample_material",
+    "turned_normal",
 ]
 
 _ZERO, _ONE = np.float32(0), np.float32(1)
-_START, _ROOT, _THROUGH = np.int64(0), np.int64(0), np.int32(2)
+# Columns of `Materials.spans`, and what `Materials.scatters` says of light that goes through.
+_ROOT, _TURNED, _THROUGH = np.int64(0), np.int64(5), np.int32(2)
+_START = np.int64(0)
 
 
 @device
@@ -59,6 +62,17 @@ def lit_side(scene, material, scratch):
     """The shading normal on the side from which light counts, or zero where it comes through a linked kind, too."""
     through = scene.materials.scatters[material] == _THROUGH
     return load_vec3(scratch, contract.NORMAL) * (_ZERO if through else _ONE)
+
+
+@device
+def turned_normal(scene, surface, hit, direction, radius, scratch):
+    """The shading normal, as a normal map or a bump turns it."""
+    materials = scene.materials
+    slot = np.int64(materials.spans[_material(scene, surface), _TURNED])
+    if slot == 0:
+        return surface.shading
+    prepare_linked(scene, surface, hit, direction, radius, scratch)
+    return load_vec3(scratch, contract.PARAMETERS + 3 * (slot - 1))
 
 
 @device

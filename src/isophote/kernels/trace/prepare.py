@@ -18,6 +18,7 @@ from isophote.kernels.base.vec import cross, dot, load_vec3, normalise, orthonor
 from isophote.kernels.brdf import contract
 from isophote.kernels.trace.tables import SCENE
 from isophote.kernels.trace.textured import slot_value, write_place
+from isophote.kernels.trace.turned_normal import NORMAL_MAP, normal_of_map
 
 __all__ = ["prepare"]
 
@@ -26,6 +27,8 @@ _LEAST = np.float32(1e-6)
 _WORDS, _FIELD = np.int64(contract.WORDS), np.int64(FIELD)
 # Columns of `Materials.spans`.
 _ROOT, _FIRST, _COUNT, _TANGENT = np.int64(0), np.int64(1), np.int64(2), np.int64(3)
+# Column of `Materials.slot_codes`.
+_CHANNEL = np.int64(1)
 
 _scene_at = opener_at(SCENE)
 
@@ -117,7 +120,11 @@ def prepare(scene_words, scratch_address):
         write_place(scene, scratch)
     first = np.int64(scene.materials.spans[material, _FIRST])
     for k in range(scene.materials.spans[material, _COUNT]):
-        store_vec3(
-            scratch, contract.PARAMETERS + 3 * k, slot_value(scene.materials, scene.textures, first + k, scratch)
-        )
+        if scene.materials.slot_codes[first + k, _CHANNEL] == NORMAL_MAP:
+            value = normal_of_map(
+                scene, first + k, _along_u(scene, load_vec3(scratch, contract.OUTWARD), scratch), scratch
+            )
+        else:
+            value = slot_value(scene.materials, scene.textures, first + k, scratch)
+        store_vec3(scratch, contract.PARAMETERS + 3 * k, value)
     return 0

@@ -28,6 +28,7 @@ def write_surface(scene, surface, hit, direction, radius, scratch):
     store_vec3(scratch, contract.SHADING, surface.shading)
     store_vec3(scratch, contract.DIRECTION, direction)
     scratch[contract.U], scratch[contract.V] = surface.u, surface.v
+    scratch[contract.WEIGHT1], scratch[contract.WEIGHT2] = hit.weight1, hit.weight2
     store_int(scratch, contract.HIT_SLOT, np.int32(hit.slot))
     store_int(scratch, contract.HIT_INSTANCE, np.int32(hit.instance))
     store_int(scratch, contract.ITEM, np.int32(surface.item))
