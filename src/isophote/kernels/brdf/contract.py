@@ -69,9 +69,8 @@ PARAMETERS = 48
 MOST_SLOTS = 48
 TEXTURE_PLACE = PARAMETERS + 3 * MOST_SLOTS
 # The weights of the second and the third corner of the triangle that was hit.
-WEIGHT1 = TEXTURE_PLACE + texture.WORDS
-WEIGHT2 = WEIGHT1 + 1
-WORDS = WEIGHT2 + 1
+WEIGHT1, WEIGHT2 = TEXTURE_PLACE + texture.WORDS, TEXTURE_PLACE + texture.WORDS + 1
+WORDS = TEXTURE_PLACE + texture.WORDS + 8
 
 _WORDS = np.int64(WORDS)
 _ZERO, _ONE = np.float32(0), np.float32(1)
