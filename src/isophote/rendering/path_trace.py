@@ -11,6 +11,7 @@ from isophote.kernels.trace.path import path_trace_tile
 from isophote.kernels.trace.tables import PLAN
 from isophote.kernels.trace.wave import new_wave
 from isophote.lower.field_table import scratch_words
+from isophote.rendering.darkness import warn_if_dark
 from isophote.rendering.exposure import Moment, expose, over_moments
 from isophote.rendering.film import Film
 from isophote.rendering.image import Image
@@ -59,6 +60,7 @@ class PathTrace:
 
     def render(self, job: Job) -> Image:
         """The path-traced picture."""
+        warn_if_dark(job.scene)
         warm_up(job.report, job.scene, "path", self.accelerator)
         began = time.monotonic()
         job.report("building the tree", 0.0)

@@ -9,6 +9,7 @@ import attrs
 import numpy as np
 
 from isophote.errors import RenderError
+from isophote.rendering.darkness import warn_if_dark
 from isophote.rendering.exposure import expose
 from isophote.rendering.image import Image
 from isophote.rendering.method import Job, checked_accelerator, first_hit_channels
@@ -74,6 +75,7 @@ class RayTrace:
 
     def render(self, job: Job) -> Image:
         """The ray-traced picture."""
+        warn_if_dark(job.scene)
         warm_up(job.report, job.scene, "ray", self.accelerator)
         began = time.monotonic()
         job.report("building the tree", 0.0)

@@ -18,6 +18,7 @@ from isophote.kernels.trace.sphere_pixels import PIXEL_ROWS
 from isophote.kernels.trace.sphere_trace import MARCH, SPHERE_PICTURE, sphere_trace_tile
 from isophote.lower.field_table import scratch_words
 from isophote.lower.scene import lower_scene
+from isophote.rendering.darkness import warn_if_dark
 from isophote.rendering.image import Image
 from isophote.rendering.method import Array, Job, Size, extent_of
 from isophote.rendering.pool import Pool, Tile, tiles_of
@@ -98,6 +99,7 @@ class SphereTrace:
 
     def render(self, job: Job) -> Image:
         """The sphere-traced picture."""
+        warn_if_dark(job.scene)
         warm_up(job.report, job.scene, "sphere")
         return over_shutter(self._still, job)
 
