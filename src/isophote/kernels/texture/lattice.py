@@ -34,6 +34,16 @@ _U = np.uint32
 _ZERO, _ONE, _TWO = np.float32(0), np.float32(1), np.float32(2)
 # Beyond, floats are whole numbers; cells stay within 32 bits.
 _FAR = np.float32(2.0**30)
+# A table: which vector it is cannot be guessed, and branches would be guessed wrong.
+_EDGES = np.array(
+    [
+        *((x, y, 0) for y in (1, -1) for x in (1, -1)),
+        *((x, 0, z) for z in (1, -1) for x in (1, -1)),
+        *((0, y, z) for z in (1, -1) for y in (1, -1)),
+        *((1, 1, 0), (0, -1, 1), (-1, 1, 0), (0, -1, -1)),
+    ],
+    np.float32,
+).reshape(-1)
 _X, _Y, _Z = _U(0x8DA6B343), _U(0xD8163841), _U(0xCB1AB31F)
 
 
@@ -80,18 +90,8 @@ def quintic(t):
 @device
 def edge_vector(key):
     """One of the twelve vectors to the middles of a cube's edges, four of them twice (Perlin 2002)."""
-    h = key >> _U(28)
-    first = _ONE if (h & _U(1)) == 0 else -_ONE
-    second = _ONE if (h & _U(2)) == 0 else -_ONE
-    if h < 4:
-        return first, second, _ZERO
-    if h < 8:
-        return first, _ZERO, second
-    if h == 12:
-        return first, second, _ZERO
-    if h == 14:
-        return second, first, _ZERO
-    return _ZERO, first, second
+    at = np.int64(key >> _U(28)) * 3
+    return _EDGES[at], _EDGES[at + 1], _EDGES[at + 2]
 
 
 @device
