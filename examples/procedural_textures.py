@@ -2,7 +2,7 @@
 
 Run as a program, it draws a sheet of all kinds of textures, texture_kinds.png.
 
-    isophote render examples/procedural_textures.py -o marble.png --size 800x450 --samples 256
+    isophote render examples/procedural_textures.py -o marble.png --size 640x360 --samples 64 --denoise
 """
 
 import numpy as np
