@@ -32,7 +32,7 @@ def shown(monkeypatch: pytest.MonkeyPatch) -> Callable[[iso.Scene, Entry, object
     """Draws scenes whose picture textures show what an entry answers."""
 
     def draw(scene: iso.Scene, entry: Entry, method: object = None) -> Floats:
-        monkeypatch.setattr(image, "image", entry)
+        monkeypatch.setattr(image, "nearest", entry)
         # A scene that no other is equal to, so that no tables are used again.
         fresh = iso.Scene([iso.Item(i.shape, i.material, i.transform) for i in scene.items], scene.lights, scene.camera)
         pictures = iso.render(fresh, method or iso.PathTrace(samples=1), size=(SIZE, SIZE)).channels

@@ -54,6 +54,18 @@ def _typed(given: Pixels, listed: bool) -> Pixels:
     return pixels
 
 
+def _wrap(value: Any) -> Any:
+    """One way for both axes as one word."""
+    if isinstance(value, list | tuple) and len(value) == 2:
+        return value[0] if value[0] == value[1] else tuple(value)
+    return value
+
+
+def _each_wrap(instance: Any, attribute: Any, value: Any) -> None:
+    for way in value if isinstance(value, tuple) else (value,):
+        one_of("repeat", "clamp", "mirror")(instance, attribute, way)
+
+
 @attrs.frozen(repr=False)
 class ImageTexture(Texture):
     """A picture over the unit square of texture coordinates.
@@ -64,16 +76,20 @@ class ImageTexture(Texture):
     u = (column + 1/2) / w, v = 1 − (row + 1/2) / h.
 
     `colour_space` says how red, green and blue (not the fourth channel) are encoded: "srgb", the default for
-    uint8, or "linear", the default for float32. `wrap` says what lies outside the unit square, `filter` what
-    lies between the centres of pixels. `name` is for people and for writing files.
+    uint8, or "linear", the default for float32. `wrap` says what lies outside the unit square: "repeat", "clamp"
+    or "mirror", or a pair of these for u and v. `name` is for people and for writing files.
+
+    `filter` says how the picture is averaged over what a sample covers of it, in linear light: "ewa" under an
+    ellipse, up to 16 times as long as wide (Heckbert, 1989); "trilinear" over a square as wide as the ellipse is
+    long; "bilinear" and "nearest" not at all. Between the centres of pixels all but "nearest" are bilinear.
 
     Raises `SceneError` for other shapes and types, no pixels, and non-finite values.
     """
 
     pixels: Pixels = attrs.field(converter=_pixels, eq=ArrayKey)
     colour_space: str = attrs.field(validator=one_of("srgb", "linear"))
-    wrap: str = attrs.field(default="repeat", validator=one_of("repeat", "clamp", "mirror"))
-    filter: str = attrs.field(default="bilinear", validator=one_of("bilinear", "nearest"))
+    wrap: str | tuple[str, str] = attrs.field(default="repeat", converter=_wrap, validator=_each_wrap)
+    filter: str = attrs.field(default="ewa", validator=one_of("ewa", "trilinear", "bilinear", "nearest"))
     name: str | None = attrs.field(default=None, kw_only=True, validator=optional(instance_of("a string or None", str)))
 
     @colour_space.default

@@ -20,12 +20,14 @@ from isophote.kernels.base.table import BYTE_ROWS, FLOAT_ROWS, FLOATS, INT, LONG
 from isophote.kernels.base.vec import load_vec3, store_vec3
 
 __all__ = [
-    "BILINEAR",
     "CLAMP",
+    "CODE_WORDS",
+    "IN_FLOATS",
     "MIRROR",
-    "NEAREST",
     "NODE_WORDS",
+    "PLAIN",
     "REPEAT",
+    "SRGB",
     "TEXTURES",
     "WORDS",
     "Place",
@@ -46,19 +48,23 @@ U, V, AXIS_A, AXIS_B, OWN, OWN_A, OWN_B, RESULT, ALPHA = 0, 1, 2, 4, 6, 9, 12, 1
 WORLD, WORLD_A, WORLD_B = 20, 23, 26
 WORDS = 32
 
-# Ways of a picture beyond the unit square, and between the centres of pixels.
+# Columns of `Textures.codes`: the first of a picture's rows of `levels` and how many there are, ways beyond the unit
+# square, and how colours are encoded: the row of `decode` that bytes go through, or that texels lie in `floats`.
+FIRST_LEVEL, LEVELS, WRAP_U, WRAP_V, ENCODING = 0, 1, 2, 3, 4
+CODE_WORDS = 5
 REPEAT, CLAMP, MIRROR = 0, 1, 2
-BILINEAR, NEAREST = 0, 1
+SRGB, PLAIN, IN_FLOATS = 0, 1, 2
 
-# `nodes` (n, 8): the columns above. `codes` (pictures, 6): first texel, width, height, wrap, filter, and 0 or 1 for the
-# row of `decode` that 8-bit colours go through, or 2 for texels in `floats`. `bytes`, `floats` (texels, 4): red, green,
-# blue, and alpha, which is never encoded. `decode` (2, 256): sRGB to linear, and plain. `data`: numbers of nodes.
+# `nodes` (n, 8), `codes` (pictures, 5): the columns above. `levels` (n, 3): first texel, width and height of a picture,
+# or of means of it, each half as large as the one before. `bytes`, `floats` (texels, 4): red, green, blue, and alpha,
+# which is never encoded. `decode` (2, 256): sRGB to linear, and plain. `data`: numbers of nodes.
 # `to_own` (items, 12): rows of affine 3 × 4 matrices from the world to the space in which an item's shape is described.
 # `colour`, `curvature`: the entries of trace/textured.py and trace/footprint.py.
 TEXTURES = Table(
     "Textures",
     nodes=LONG_ROWS,
     codes=LONG_ROWS,
+    levels=LONG_ROWS,
     bytes=BYTE_ROWS,
     floats=FLOAT_ROWS,
     decode=FLOAT_ROWS,
