@@ -40,7 +40,7 @@ class PictureTable:
         is_bytes = texels.dtype == np.uint8
         encoding = IN_FLOATS if not is_bytes else (PLAIN if picture.colour_space == "linear" else SRGB)
         levels = pyramid(texels, width, height, encoding) if picture.filter in _FILTERED else [texels]
-        wrap_u, wrap_v = (picture.wrap,) * 2 if isinstance(picture.wrap, str) else picture.wrap
+        wrap_u, wrap_v = picture.wraps
         self._codes.append([len(self._levels), len(levels), _WRAP[wrap_u], _WRAP[wrap_v], encoding])
         for level in levels:
             self._levels.append([self._counts[is_bytes], width, height])

@@ -111,6 +111,11 @@ class ImageTexture(Texture):
         """Number of channels: 1, 3 or 4."""
         return 1 if self.pixels.ndim == 2 else int(self.pixels.shape[2])
 
+    @property
+    def wraps(self) -> tuple[str, str]:
+        """Ways beyond the unit square along u and v."""
+        return (self.wrap, self.wrap) if isinstance(self.wrap, str) else self.wrap
+
     def __repr__(self) -> str:
         settings = f"{self.colour_space!r}, {self.wrap!r}, {self.filter!r}"
         name = "" if self.name is None else f", name={self.name!r}"

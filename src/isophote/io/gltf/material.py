@@ -28,7 +28,7 @@ MARK = "isophote"
 """The key under "extras" where files written here say what glTF has no words for."""
 
 _WRAPS = {10497: "repeat", 33071: "clamp", 33648: "mirror"}
-_NEAREST = (9728, 9984, 9986)
+_NEAREST, _WITHOUT_MEANS = (9728, 9984, 9986), (9728, 9729)
 _SURE = 0.9
 """From here on a material is plainly glass."""
 
@@ -140,17 +140,21 @@ class MaterialReader:
         data, _ = self.document.view(image.integer("bufferView"))
         return bytes(data)
 
-    def _sampler(self, texture: Field) -> tuple[str, str]:
+    def _sampler(self, texture: Field) -> tuple[tuple[str, str], str]:
+        """Ways beyond the unit square, and the filter: what does without means is "bilinear", what leaves it open or
+        asks for means is "ewa", which is the sharpest."""
         if "sampler" not in texture:
-            return "repeat", "bilinear"
+            return ("repeat", "repeat"), "ewa"
         sampler = self.document.root.entry("samplers", texture.integer("sampler"))
         across, down = sampler.integer("wrapS", 10497), sampler.integer("wrapT", 10497)
         if across not in _WRAPS or down not in _WRAPS:
             sampler.fail(f"wrapS and wrapT must be among {list(_WRAPS)}")
-        if across != down:
-            _warn(sampler, f'wraps differently across and down; "{_WRAPS[across]}" is used for both')
-        nearest = sampler.integer("magFilter", 9729) in _NEAREST
-        return _WRAPS[across], "nearest" if nearest else "bilinear"
+        wrap = _WRAPS[across], _WRAPS[down]
+        if sampler.integer("magFilter", 9729) in _NEAREST:
+            return wrap, "nearest"
+        if sampler.integer("minFilter", 9987) in _WITHOUT_MEANS:
+            return wrap, "bilinear"
+        return wrap, "trilinear" if _mark(sampler).get("filter") == "trilinear" else "ewa"
 
 
 def _uri_name(image: Field) -> str | None:
@@ -158,11 +162,16 @@ def _uri_name(image: Field) -> str | None:
     return None if uri is None or uri[:5].lower() == "data:" else unquote(uri)
 
 
-def _as_written(field: Field, principled: Principled) -> Material | None:
-    """The material that this project wrote as the nearest that glTF has."""
+def _mark(field: Field) -> dict[str, Any]:
+    """What this project wrote under "extras"."""
     extras = field.value.get("extras")
     mark = extras.get(MARK) if isinstance(extras, dict) else None
-    kind = mark.get("material") if isinstance(mark, dict) else None
+    return mark if isinstance(mark, dict) else {}
+
+
+def _as_written(field: Field, principled: Principled) -> Material | None:
+    """The material that this project wrote as the nearest that glTF has."""
+    kind = _mark(field).get("material")
     if kind == "Matte":
         return Matte(principled.colour_texture or principled.colour)
     if kind == "Mirror":

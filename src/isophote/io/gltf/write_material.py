@@ -26,7 +26,8 @@ __all__ = ["MaterialWriter"]
 Json: TypeAlias = dict[str, Any]
 
 _WRAPS = {"repeat": 10497, "clamp": 33071, "mirror": 33648}
-_FILTERS = {"bilinear": 9729, "nearest": 9728}
+# What enlarges a picture, and what makes it smaller: by means or not.
+_FILTERS = {"ewa": (9729, 9987), "trilinear": (9729, 9987), "bilinear": (9729, 9729), "nearest": (9728, 9728)}
 
 
 @attrs.define
@@ -106,8 +107,7 @@ class MaterialWriter:
 
     def _texture(self, texture: ImageTexture, space: str) -> int:
         if (texture, space) not in self._textures:
-            sampler = {"magFilter": _FILTERS[texture.filter], "wrapS": _WRAPS[texture.wrap]}
-            sampler["wrapT"] = sampler["wrapS"]
+            sampler = self._sampler(texture)
             view = self.builder.add_bytes(self._png(texture, space))
             image: Json = {"mimeType": "image/png", "bufferView": view}
             if texture.name is not None:
@@ -115,6 +115,14 @@ class MaterialWriter:
             entry = {"source": self.builder.add("images", image), "sampler": self.builder.add("samplers", sampler)}
             self._textures[texture, space] = self.builder.add("textures", entry)
         return self._textures[texture, space]
+
+    def _sampler(self, texture: ImageTexture) -> Json:
+        large, small = _FILTERS[texture.filter]
+        across, down = texture.wraps
+        found: Json = {"magFilter": large, "minFilter": small, "wrapS": _WRAPS[across], "wrapT": _WRAPS[down]}
+        if texture.filter == "trilinear":
+            found["extras"] = {MARK: {"filter": "trilinear"}}
+        return found
 
     def _png(self, texture: ImageTexture, space: str) -> bytes:
         if not is_exact(texture, space):
