@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import attrs
 import numpy as np
@@ -16,21 +16,35 @@ from isophote.convert.triangulate import triangulate
 from isophote.errors import IsophoteWarning, RenderError
 from isophote.lower.lights import rectangle_mesh
 from isophote.lower.materials import emission_of
-from isophote.scene.colour import srgb_to_linear
+from isophote.lower.texture_probe import texture_values
 from isophote.scene.cutout import Cutout
-from isophote.scene.image_texture import ImageTexture
 from isophote.scene.light import RectLight
 from isophote.scene.material import Emitter, Material, Matte
 from isophote.scene.scene import Scene
+from isophote.scene.texture import Texture
 from isophote.shapes.field.field import Field
 from isophote.shapes.mesh import Attribute, Mesh
 
-__all__ = ["Faces", "faces_of", "looked_up"]
+__all__ = ["Around", "Faces", "Painted", "faces_of", "looked_up"]
 
 Points: TypeAlias = npt.NDArray[np.float64]
 
 # A quad counts as a parallelogram if its fourth corner is where the others put it, to this part of its size.
 _FLAT = 1e-6
+
+
+class Painted(NamedTuple):
+    """A texture, and the map from the world to the space of the shape that it is on, (4, 4)."""
+
+    texture: Texture
+    to_own: Points
+
+
+class Around(NamedTuple):
+    """Places (n, k) and the half-axes of what is looked at around them (n, 2, k)."""
+
+    middle: Points
+    axes: Points
 
 
 @attrs.frozen(eq=False)
@@ -55,7 +69,7 @@ class Faces:
     primitive: npt.NDArray[np.int64]
     side: npt.NDArray[np.int64]
     smooth: npt.NDArray[np.bool_]
-    textures: tuple[ImageTexture, ...]
+    textures: tuple[Painted, ...]
     meshes: tuple[Mesh, ...]
     solid: npt.NDArray[np.bool_]
 
@@ -73,7 +87,7 @@ class _Surface:
     def __init__(self, material: Material, name: str) -> None:
         radiance, self.shines_behind = emission_of(material)
         self.albedo, self.emission = np.zeros(3), np.pi * np.array(radiance)
-        self.texture: ImageTexture | None = None
+        self.texture: Texture | None = None
         if isinstance(material, Cutout):
             material = material.material
         if isinstance(material, Emitter):
@@ -89,7 +103,7 @@ class _Surface:
                 IsophoteWarning,
                 stacklevel=2,
             )
-        if isinstance(colour, ImageTexture):
+        if isinstance(colour, Texture):
             self.albedo, self.texture = np.ones(3), colour
         else:
             self.albedo = np.array(colour)
@@ -104,7 +118,7 @@ def faces_of(scene: Scene, cell: float) -> Faces:
     for shapes without bounds and materials that reflect more than they receive.
     """
     parts: list[dict[str, npt.NDArray[np.generic]]] = []
-    textures: list[ImageTexture] = []
+    textures: list[Painted] = []
     meshes: list[Mesh] = []
     solid: list[bool] = []
     for number, item in enumerate(scene.items):
@@ -135,7 +149,7 @@ def _mesh_of(shape: object, cell: float, name: str) -> Mesh:
 
 def _add(
     parts: list[dict[str, npt.NDArray[np.generic]]],
-    textures: list[ImageTexture],
+    textures: list[Painted],
     meshes: list[Mesh],
     mesh: Mesh,
     matrix: Points,
@@ -156,7 +170,7 @@ def _add(
     texture = -1
     if surface.texture is not None:
         texture = len(textures)
-        textures.append(surface.texture)
+        textures.append(Painted(surface.texture, np.asarray(np.linalg.inv(matrix), np.float64)))
     report = topology(mesh)
     solid = report.closed and report.oriented and _volume(mesh) > 0
     count = len(sides)
@@ -226,26 +240,20 @@ def _reversed(rows: Points, sides: npt.NDArray[np.uint8]) -> Points:
     return np.where((sides == 3)[:, None, None], rows[:, [0, 2, 1, 0]], rows[:, ::-1])
 
 
-def looked_up(textures: Sequence[ImageTexture], texture: npt.NDArray[np.int64], uvs: Points) -> Points:
-    """(n, 3): the linear colour of texture `texture[i]` at `uvs[i]`, and white where that is −1; nearest texels."""
+def looked_up(textures: Sequence[Painted], texture: npt.NDArray[np.int64], uvs: Around, places: Around) -> Points:
+    """(n, 3): the linear colour of texture `texture[i]` around place i, and white where that is −1."""
     colour = np.ones((len(texture), 3))
-    for number, image in enumerate(textures):
+    for number, (painted, to_own) in enumerate(textures):
         own = np.flatnonzero(texture == number)
-        width, height = image.size
-        pixels = image.pixels.reshape(height, width, -1)
-        u, v = uvs[own].T
-        x = _wrapped(np.floor(u * width).astype(np.int64), width, image.wrap)
-        y = _wrapped(np.floor((1 - v) * height).astype(np.int64), height, image.wrap)
-        texels = pixels[y, x].astype(np.float64) / (255.0 if pixels.dtype == np.uint8 else 1.0)
-        texels = texels[:, :1].repeat(3, axis=1) if image.channels == 1 else texels[:, :3]
-        colour[own] = srgb_to_linear(texels) if image.colour_space == "srgb" else texels
+        world, axes = places.middle[own], places.axes[own]
+        found = texture_values(
+            painted,
+            uvs.middle[own],
+            world @ to_own[:3, :3].T + to_own[:3, 3],
+            world,
+            uv_axes=uvs.axes[own],
+            own_axes=axes @ to_own[:3, :3].T,
+            world_axes=axes,
+        )
+        colour[own] = found[:, :3]
     return colour
-
-
-def _wrapped(place: npt.NDArray[np.int64], size: int, wrap: str) -> npt.NDArray[np.int64]:
-    if wrap == "clamp":
-        return np.clip(place, 0, size - 1)
-    if wrap == "mirror":
-        place = place % (2 * size)
-        return np.where(place < size, place, 2 * size - 1 - place)
-    return place % size

@@ -11,7 +11,7 @@ from isophote.kernels.base.table import Packed
 from isophote.kernels.trace.exchange import PATCHES
 from isophote.rendering.radiosity.clusters import Groups, grouped, measured
 from isophote.rendering.radiosity.coverage import Coverage
-from isophote.rendering.radiosity.faces import Faces, looked_up
+from isophote.rendering.radiosity.faces import Around, Faces, looked_up
 
 __all__ = ["PatchTree", "on_patches", "quarter_centres"]
 
@@ -162,12 +162,13 @@ class PatchTree:
         textured = np.flatnonzero(self.faces.texture[faces] >= 0)
         if len(textured) == 0:
             return albedo
-        uvs, total = self.uvs[nodes[textured]], np.zeros((len(textured), 3))
+        chosen, total = nodes[textured], np.zeros((len(textured), 3))
+        sides = self.sides[chosen]
         for i in range(_PLACES):
             for j in range(_PLACES):
                 a, b = (i + 0.5) / _PLACES, (j + 0.5) / _PLACES
-                place = on_patches(uvs, self.sides[nodes[textured]], a, b)
-                total += looked_up(self.faces.textures, self.faces.texture[faces[textured]], place)
+                uvs, places = _around(self.uvs[chosen], sides, a, b), _around(self.corners[chosen], sides, a, b)
+                total += looked_up(self.faces.textures, self.faces.texture[faces[textured]], uvs, places)
         albedo[textured] *= total / _PLACES**2
         return albedo
 
@@ -244,6 +245,14 @@ def on_patches(rows: Points, sides: npt.NDArray[np.uint8], a: float, b: float) -
     last = np.where(three, rows[:, 2], rows[:, 3])
     place: Points = rows[:, 0] + along * (rows[:, 1] - rows[:, 0]) + across * (last - rows[:, 0])
     return place
+
+
+def _around(rows: Points, sides: npt.NDArray[np.uint8], a: float, b: float) -> Around:
+    """The place (a, b) of each patch, and what lies as near to it as to the next such place."""
+    half = 0.5 / _PLACES
+    along = on_patches(rows, sides, a + half, b) - on_patches(rows, sides, a - half, b)
+    across = on_patches(rows, sides, a, b + half) - on_patches(rows, sides, a, b - half)
+    return Around(on_patches(rows, sides, a, b), np.stack([along, across], axis=1) / 2)
 
 
 def _quarters(rows: Points, sides: npt.NDArray[np.uint8]) -> Points:
