@@ -63,7 +63,14 @@ def _part(x, width, share):
     x -= np.floor(x)
     if width < _LEAST:
         return _ONE if x < share else _ZERO
-    return (_below(x + _HALF * width, share) - _below(x - _HALF * width, share)) / width
+    low = x - _HALF * width
+    low -= np.floor(low)
+    # Exactly, where there is but one of both.
+    if low + width <= share:
+        return _ONE
+    if low >= share and low + width <= _ONE:
+        return _ZERO
+    return (_below(low + width, share) - _below(low, share)) / width
 
 
 @device
