@@ -192,3 +192,9 @@ def test_the_lazy_hierarchy_is_timed_against_the_tree() -> None:
     for what in ("building", "rays", "picture, sun", "picture, sky"):
         assert 0 < float(cells(output, what)[1]) < 0.5
         assert all(float(cell) > 0 for cell in cells(output, what)[2:9])
+
+
+def test_accelerators_over_primitives_are_compared_with_the_tree() -> None:
+    output = output_of("accelerated_shapes.py", "--count", "20", "--rounds", "1", "--rays", "50")
+    for scene in ("spheres", "crowd"):
+        assert re.search(rf"^\| {scene} \| kdtree \| 20 \|", output, re.MULTILINE), output

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
+from scipy.spatial import ConvexHull
 
 import isophote as iso
 from isophote.accel.accelerator import build_accelerator
-from isophote.accel.cells import levels_of
+from isophote.accel.bsp_cells import bsp_levels
+from isophote.accel.cells import MOST_BOXES, SHOWN, edges_of, levels_of
 from isophote.errors import GeometryError, RenderError
 from scenes import icosphere
 
@@ -19,7 +23,7 @@ def levels(name: str, depth: int) -> list[np.ndarray]:
     return levels_of(name, built, depth)
 
 
-@pytest.mark.parametrize("name", ["bvh", "kdtree", "grid"])
+@pytest.mark.parametrize("name", ["bvh", "kdtree", "grid", "bih"])
 def test_every_level_lies_within_the_root(name: str) -> None:
     found = levels(name, 6)
     assert len(found) > 1
@@ -40,7 +44,7 @@ def test_cells_of_a_kd_tree_fill_their_parents() -> None:
     assert (np.diff(volumes) <= 1e-9).all()
 
 
-@pytest.mark.parametrize("name", ["bvh", "grid"])
+@pytest.mark.parametrize("name", ["bvh", "grid", "bih"])
 def test_boxes_of_a_level_hold_all_vertices(name: str) -> None:
     boxes = levels(name, 1)[1]
     points = BALL.vertices[:, None]
@@ -65,3 +69,45 @@ def test_what_has_no_tree_is_refused() -> None:
         iso.show_tree(BALL, depth=-1)
     with pytest.raises(GeometryError, match="show_tree knows"):
         iso.show_tree(BALL, "octree")
+
+
+@pytest.mark.parametrize("depth", [1, 3, 5])
+def test_a_hierarchy_that_rays_build_is_shown_as_a_whole(depth: int) -> None:
+    found = levels("bih", depth)
+    assert [len(boxes) for boxes in found] == [2**level for level in range(depth + 1)]
+    for parents, children in itertools.pairwise(found):
+        # The lower sides of all nodes, then the upper ones.
+        for side in np.split(children, 2):
+            assert (side[:, 0] >= parents[:, 0]).all()
+            assert (side[:, 1] <= parents[:, 1]).all()
+
+
+def test_cells_of_a_bsp_tree_fill_their_parents() -> None:
+    """Polyhedra between planes: of two cells, volumes add up to that of the cell they were."""
+    turned = iso.Item(iso.Mesh(BALL.vertices * (1, 0.4, 0.2), BALL.faces)).rotate((1, 2, 3), 0.7).transform.matrix
+    points = (BALL.vertices * (1, 0.4, 0.2)) @ turned[:3, :3].T
+    built = build_accelerator("bsp", points.astype(np.float32), np.asarray(BALL.faces))
+    found = bsp_levels(built, 4, MOST_BOXES)
+    volumes = [[ConvexHull(np.concatenate(cell)).volume for cell in cells] for cells in found]
+    assert len(volumes) == 5
+    for parents, children in itertools.pairwise(volumes):
+        # Leaves have no parts.
+        for whole in np.add.reduceat(children, np.arange(0, len(children), 2)):
+            assert np.isclose(parents, whole, rtol=1e-9).any()
+    slanted = [polygon for cell in found[-1] for polygon in cell if np.ptp(polygon, axis=0).min() > 1e-3]
+    assert slanted
+    for polygon in slanted:
+        normal = np.cross(polygon[1] - polygon[0], polygon[2] - polygon[0])
+        assert np.abs((polygon - polygon[0]) @ normal).max() < 1e-6
+
+
+@pytest.mark.parametrize("name", SHOWN)
+def test_edges_of_every_accelerator_lie_in_its_bounds(name: str) -> None:
+    built = build_accelerator(name, BALL.vertices.astype(np.float32), np.asarray(BALL.faces))
+    found = edges_of(name, built, 3)
+    assert found[0].cells == 1
+    assert len(np.unique(found[0].ends.reshape(-1, 3), axis=0)) == 8
+    for level in found:
+        assert level.ends.shape == (len(level.ends), 2, 3)
+        assert np.abs(level.ends).max() < np.abs(BALL.vertices).max() * 1.01
+    assert iso.show_tree(BALL, name, depth=2, size=(48, 36)).metadata["accelerator"] == name

@@ -1,24 +1,38 @@
-"""The boxes of an accelerator's nodes, level by level, for pictures of it."""
+"""The boxes of an accelerator's nodes, or their cells, level by level, for pictures of it."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from isophote.accel.accelerator import Built
+from isophote.accel.bih import finish
+from isophote.accel.bsp_cells import bsp_levels
 from isophote.errors import GeometryError
+from isophote.kernels.accel import bih_layout
 from isophote.kernels.accel.grid_layout import SIZE
 from isophote.kernels.accel.kd_layout import LEAF
 from isophote.kernels.accel.layout import CHILD, LOWER, NODE, UPPER, WIDTH
 
-__all__ = ["SHOWN", "Level", "levels_of"]
+__all__ = ["SHOWN", "Edges", "Level", "edges_of", "levels_of"]
 
 Points: TypeAlias = npt.NDArray[np.float64]
 Level: TypeAlias = Points
 """(n, 2, 3): least and greatest corners of the boxes of one level."""
+
+# Ends of the twelve edges of a box, as numbers of corners whose bits tell of which corner each coordinate is.
+_EDGES = [(a, a | 1 << axis) for axis in range(3) for a in range(8) if not a >> axis & 1]
+
+
+class Edges(NamedTuple):
+    """The cells of one level: how many, and the ends (n, 2, 3) of the edges of all."""
+
+    cells: int
+    ends: Points
+
 
 # Levels with more boxes are not asked for: nobody could tell them apart.
 MOST_BOXES = 8192
@@ -27,9 +41,33 @@ MOST_BOXES = 8192
 def levels_of(name: str, built: Built, depth: int) -> list[Level]:
     """Boxes of the nodes of the accelerator `name`, from the root, level 0, to level `depth`; levels with more than
     8,192 boxes, and those below, are left out. Raises `GeometryError` where there is nothing to show."""
+    _check(built)
+    return _LEVELS[name](built, depth)
+
+
+def edges_of(name: str, built: Built, depth: int) -> list[Edges]:
+    """Edges of the nodes' boxes, or of the polyhedra between planes in any direction, as `levels_of` tells levels."""
+    if name != "bsp":
+        return [Edges(len(level), _box_edges(level)) for level in levels_of(name, built, depth)]
+    _check(built)
+    return [
+        Edges(len(cells), np.concatenate([_around(polygon) for cell in cells for polygon in cell]))
+        for cells in bsp_levels(built, depth, MOST_BOXES)
+    ]
+
+
+def _check(built: Built) -> None:
     if not np.isfinite(built.bounds).all():
         raise GeometryError("show_tree: there are no triangles to show the tree of")
-    return _LEVELS[name](built, depth)
+
+
+def _box_edges(boxes: Level) -> Points:
+    corners = np.stack([np.stack([boxes[:, k >> axis & 1, axis] for axis in range(3)], axis=1) for k in range(8)], 1)
+    return corners[:, np.array(_EDGES)].reshape(-1, 2, 3)
+
+
+def _around(polygon: Points) -> Points:
+    return np.stack([polygon, np.roll(polygon, -1, axis=0)], axis=1)
 
 
 def _bvh_levels(built: Built, depth: int) -> list[Level]:
@@ -92,10 +130,28 @@ def _grid_levels(built: Built, depth: int) -> list[Level]:
     return levels
 
 
+def _bih_levels(built: Built, depth: int) -> list[Level]:
+    """What planes and slabs leave of the space, of a hierarchy that is built to the end first."""
+    finish(built)
+    codes = built.tables.arrays["nodes"].view(np.int32)[:: bih_layout.NODE]
+    regions = built.tables.arrays["ranges"].reshape(-1, bih_layout.RANGE)[:, bih_layout.REGION :].astype(np.float64)
+    numbers, levels = np.zeros(1, np.int64), [built.bounds.astype(np.float64)[None]]
+    while len(levels) <= depth:
+        own = codes[numbers]
+        inner = own[own & 3 != bih_layout.LEAF].astype(np.int64)
+        if not 0 < 2 * len(inner) <= MOST_BOXES:
+            break
+        child = 2 * ((inner >> 2) - 1)
+        numbers = np.concatenate([child, child + 1])
+        levels.append(np.stack([regions[numbers, :3], -regions[numbers, 4:7]], axis=1))
+    return levels
+
+
 _LEVELS: dict[str, Callable[[Built, int], list[Level]]] = {
     "bvh": _bvh_levels,
     "grid": _grid_levels,
     "kdtree": _kd_levels,
+    "bih": _bih_levels,
 }
-SHOWN = tuple(_LEVELS)
-"""The accelerators whose boxes can be told."""
+SHOWN = (*_LEVELS, "bsp")
+"""The accelerators whose boxes or cells can be told."""

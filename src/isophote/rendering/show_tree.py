@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from isophote.accel.accelerator import build_accelerator
-from isophote.accel.cells import SHOWN, Level, levels_of
+from isophote.accel.cells import SHOWN, Edges, edges_of
 from isophote.convert.triangulate import triangulate
 from isophote.errors import GeometryError, RenderError
 from isophote.rendering.image import Image
@@ -26,9 +26,6 @@ __all__ = ["show_tree"]
 
 Points: TypeAlias = npt.NDArray[np.float64]
 
-# Ends of the twelve edges of a box, as numbers of corners whose bits tell of which corner each coordinate is.
-_EDGES = [(a, a | 1 << axis) for axis in range(3) for a in range(8) if not a >> axis & 1]
-
 
 def show_tree(
     mesh: Mesh,
@@ -42,7 +39,8 @@ def show_tree(
 ) -> Image:
     """The mesh with the boxes of the nodes of its tree, of all levels from the root, 0, to `depth`, or of `levels`.
 
-    `accelerator` is "bvh", "kdtree" (cells between planes) or "grid" (cells that hold anything, and the grids within
+    `accelerator` is "bvh", "bih" (what planes and slabs leave; it is built to the end first), "kdtree" (cells between
+    planes), "bsp" (polyhedra between planes in any direction) or "grid" (cells that hold anything, and the grids within
     them). Levels go from blue through green to red; what lies behind the surface is faint. Levels of more than 8,192
     boxes are left out; the picture's metadata tells how many boxes each has. Raises `RenderError` for depths without
     meaning, `GeometryError` for other accelerators.
@@ -60,25 +58,23 @@ def show_tree(
     if scene.camera is None:
         raise RenderError("show_tree: there is no camera")
     image = overlaid(view, scene.camera, _lines(found, chosen))
-    boxes = ", ".join(f"{len(level)}" for level in found)
+    boxes = ", ".join(f"{level.cells}" for level in found)
     return image.with_(metadata={**view.metadata, "accelerator": accelerator, "boxes by level": boxes})
 
 
-def _levels(mesh: Mesh, accelerator: str, depth: int, threads: int | None) -> list[Level]:
+def _levels(mesh: Mesh, accelerator: str, depth: int, threads: int | None) -> list[Edges]:
     if accelerator not in SHOWN:
         raise GeometryError(f"show_tree knows {', '.join(SHOWN)}, not {accelerator!r}")
     built = build_accelerator(accelerator, mesh.vertices.astype(np.float32), triangulate(mesh).triangles, threads)
-    return levels_of(accelerator, built, depth)
+    return edges_of(accelerator, built, depth)
 
 
-def _lines(found: Sequence[Level], chosen: Sequence[int]) -> Iterator[Line]:
+def _lines(found: Sequence[Edges], chosen: Sequence[int]) -> Iterator[Line]:
     """Edges of boxes, thinner and redder from level to level; deep ones first, so that shallow ones lie over them."""
     for number in sorted(chosen, reverse=True):
         part = number / max(len(found) - 1, 1)
         red, green, blue = colorsys.hls_to_rgb(0.62 * (1 - part), 0.55, 0.85)
         colour = (round(255 * red), round(255 * green), round(255 * blue))
         width = max(2.5 * 0.75**number, 0.5)
-        for box in found[number]:
-            corners = np.array([[box[corner >> axis & 1, axis] for axis in range(3)] for corner in range(8)])
-            for a, b in _EDGES:
-                yield Line(corners[a], corners[b], colour, width)
+        for start, end in found[number].ends:
+            yield Line(start, end, colour, width)
