@@ -16,6 +16,7 @@ import numpy.typing as npt
 from isophote.kernels.base.table import Packed
 from isophote.kernels.texture.contract import TEXTURES
 from isophote.kernels.trace.tables import SCENE
+from isophote.lower.displaced import displaced
 from isophote.lower.field_table import endless
 from isophote.lower.latest import Latest
 from isophote.lower.materials import emission_of
@@ -104,6 +105,7 @@ def lower_moments(
 ) -> list[Packed]:
     """The tables of `scene` at each of `times`, in seconds, while its shutter is open, as `lower_scene` makes them of
     one. What times they are, changes nothing but where things stand."""
+    scene = displaced(scene, size)
     motions = {k: item.transform for k, item in enumerate(scene.items) if isinstance(item.transform, Motion)}
     moving = frozenset(number for number, motion in motions.items() if motion.moves(*scene.shutter))
     if not moving:

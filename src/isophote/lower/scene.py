@@ -11,6 +11,7 @@ import numpy.typing as npt
 from isophote.errors import SceneError
 from isophote.kernels.base.table import Packed
 from isophote.kernels.trace.tables import SCENE
+from isophote.lower.displaced import displaced
 from isophote.lower.field_table import FieldPart, endless, no_fields
 from isophote.lower.geometry import Part, lower_geometry
 from isophote.lower.lamps import lamp_primitive, many_lamps
@@ -54,7 +55,7 @@ def lower_scene(
     between the shutter's opening and closing. Endless fields reach as far as lower/fields.py says. Raises `SceneError`
     for a scene without items that can be drawn, or without a camera.
     """
-    scene = scene.still()
+    scene = displaced(scene.still(), size)
     camera = camera_rows(scene, size)
     way = accelerator, marched
     tables = _latest.find(scene, way)

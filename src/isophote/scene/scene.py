@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from isophote.errors import SceneError
 from isophote.scene.camera import AnyCamera, Camera, OrthographicCamera
+from isophote.scene.displacement import Displacement
 from isophote.scene.fields import VectorLike, instance_of, optional
 from isophote.scene.light import AreaLight, Environment, Light, PointLight, Sky, Sun
 from isophote.scene.material import Matte
@@ -19,6 +20,7 @@ from isophote.scene.material_base import Material
 from isophote.scene.motion import Motion
 from isophote.scene.spot_light import SpotLight
 from isophote.scene.transform import Axis, Transform
+from isophote.shapes.mesh import Mesh
 
 __all__ = ["Bounds", "Item", "Scene", "Shape", "is_shape", "placed_box"]
 
@@ -56,6 +58,17 @@ def _shape(instance: Any, attribute: attrs.Attribute[Any], value: Any) -> None:
         )
 
 
+def _displacement(instance: Any, attribute: attrs.Attribute[Any], value: Any) -> None:
+    if value is None:
+        return
+    instance_of("a Displacement or None", Displacement)(instance, attribute, value)
+    if not isinstance(instance.shape, Mesh):
+        raise SceneError(
+            f"Item: only a Mesh can have a displacement, but shape is {_described(instance.shape)}; to_mesh makes "
+            "a mesh of a field"
+        )
+
+
 def _described(value: object) -> str:
     text = repr(value)
     return text if len(text) <= 80 else f"a {type(value).__name__}"
@@ -67,7 +80,8 @@ class Item:
 
     Items whose `shape` is the same object share its geometry, so a thousand of them cost one. `transform`
     takes the shape to world space, a `Motion` at each time; `name` is for people and files. Where only one placement
-    counts (files, baking, radiosity, rays over arrays), an item that moves stands as at its first.
+    counts (files, baking, radiosity, rays over arrays), an item that moves stands as at its first. A mesh may have a
+    `displacement` that moves its surface in pictures; `displace` makes such a mesh.
     """
 
     shape: Shape = attrs.field(validator=_shape)
@@ -76,6 +90,7 @@ class Item:
         factory=Transform.identity, validator=instance_of("a Transform or a Motion", Transform, Motion)
     )
     name: str | None = attrs.field(default=None, validator=_name)
+    displacement: Displacement | None = attrs.field(default=None, validator=_displacement, kw_only=True)
 
     def at(self, position: VectorLike) -> Item:
         """The item with its shape's origin at `position`, at first if it moves, turned and scaled as it is."""

@@ -14,6 +14,7 @@ from isophote.analysis.connectivity.topology import topology
 from isophote.convert.contour import to_mesh
 from isophote.convert.triangulate import triangulate
 from isophote.errors import IsophoteWarning, RenderError
+from isophote.lower.displaced import displaced
 from isophote.lower.lights import rectangle_mesh
 from isophote.lower.materials import emission_of
 from isophote.lower.texture_probe import texture_values
@@ -121,7 +122,7 @@ def faces_of(scene: Scene, cell: float) -> Faces:
     textures: list[Painted] = []
     meshes: list[Mesh] = []
     solid: list[bool] = []
-    for number, item in enumerate(scene.items):
+    for number, item in enumerate(displaced(scene).items):
         name = f"items[{number}]"
         mesh = _mesh_of(item.shape, cell, name)
         surface = _Surface(item.material, name)
