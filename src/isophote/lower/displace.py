@@ -171,7 +171,8 @@ def _moved(diced: Diced, parts: _Columns, settings: Displacement, has_uvs: bool)
     normals = _unit(_sums(corners, weights * _unit(parts.normals.reshape(-1, 3)), count))
     heights = _heights(diced, parts.uvs.reshape(-1, 2) if has_uvs else None, settings.texture)
     means = _sums(corners, weights * heights[:, None], count) / np.maximum(_sums(corners, weights, count), 1e-300)
-    moved: Doubles = diced.points + settings.scale * (means - settings.midlevel) * normals
+    with np.errstate(over="ignore", invalid="ignore"):
+        moved: Doubles = diced.points + settings.scale * (means - settings.midlevel) * normals
     if not np.isfinite(moved).all():
         raise GeometryError("displacement: the texture moves the surface beyond all numbers; give a smaller scale")
     return moved
