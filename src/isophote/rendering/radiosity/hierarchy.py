@@ -130,7 +130,8 @@ def settle(
     mean = _expected_mean(tree, direct.values)
     if mean <= 0:
         raise RenderError("Radiosity: nothing shines; give lights, or items with an Emitter material")
-    flux = error * mean * patch**2
+    # Where faces are small already, the smallest patches are these.
+    flux = error * mean * min(patch**2, _typical(tree.faces.areas))
     _cut_by_direct(tree, direct, error * mean, patch)
     links = Links(scene, tree, threads)
     light, uneven = tree.emission + tree.albedo * direct.values, np.zeros(len(tree))
@@ -174,6 +175,12 @@ def _expected_mean(tree: PatchTree, direct: Points) -> float:
     sent = level(tree.emission[own] + tree.albedo[own] * direct[own]) @ areas
     kept = level(tree.albedo[own]) @ areas
     return float(sent / max(areas.sum() - kept, 0.05 * areas.sum()))
+
+
+def _typical(areas: Points) -> float:
+    """The area that half of the whole is in larger faces than."""
+    ordered = np.sort(areas)
+    return float(ordered[np.searchsorted(np.cumsum(ordered), ordered.sum() / 2)])
 
 
 def _cut_by_direct(tree: PatchTree, direct: _Direct, allowed: float, patch: float) -> None:

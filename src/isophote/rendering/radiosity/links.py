@@ -191,8 +191,9 @@ class Links:
         able = self._divisible(limits)
         a, b = pairs.T
         # Clusters are opened before patches are cut: that costs no patches.
-        rank = tree.radii + np.where(tree.sides == 0, 4 * tree.radii.max(), 0.0)
-        first = able[a] & (~able[b] | (rank[a] >= rank[b]))
+        large = 4 * tree.radii.max()
+        rank_a, rank_b = (tree.radii[end] + np.where(tree.sides[end] == 0, large, 0.0) for end in (a, b))
+        first = able[a] & (~able[b] | (rank_a >= rank_b))
         chosen, other = np.where(first, a, b), np.where(first, b, a)
         tree.cut(np.unique(chosen))
         count = tree.children[chosen]

@@ -32,8 +32,9 @@ class PatchTree:
 
     `corners` (n, 4, 3), `sides` (0 for clusters), `normals`, `centres` (n, 3), `axes` (n, 6), two half edges, `flat`
     (1 for all but clusters of faces that lie in no common plane), `areas`, `radii`, `parent`, `first_child` (−1: none),
-    `children`, `depth`, `face` (−1 for clusters) and `albedo`, `emission` (n, 3), means by area for clusters. `roots`
-    are the nodes without a parent.
+    `children`, `depth`, `face` (−1 for clusters), `edges`, the longest of each (0 for clusters), `open`, the share that
+    lies within no solid (1 for clusters), and `albedo`, `emission` (n, 3), means by area for clusters. `roots` are the
+    nodes without a parent.
     """
 
     def __init__(self, faces: Faces, coverage: Coverage) -> None:
@@ -62,6 +63,8 @@ class PatchTree:
         self._faces = count
         self._boxes = np.zeros((count, 6))
         self.covered = np.zeros(count, np.int32)
+        self.edges, self.open = _longest_edges(self.corners, self.sides), np.ones(count)
+        self._packed: Packed | None = None
         self.roots = np.arange(count)
         if groups is not None:
             self._cluster(groups)
@@ -77,20 +80,13 @@ class PatchTree:
         """Patches that are not cut."""
         return np.flatnonzero((self.first_child < 0) & (self.sides > 0))
 
-    @property
-    def open(self) -> Points:
-        """(n,): the share of each patch that lies within no solid; 1 for clusters."""
-        bits = np.unpackbits(self.covered.astype("<u4").view(np.uint8).reshape(-1, 4), axis=1)
-        share: Points = 1.0 - bits.sum(axis=1) / 16
-        return share
-
-    @property
-    def edges(self) -> Points:
-        """(n,): the longest edge of each node; 0 for clusters."""
-        return _longest_edges(self.corners, self.sides)
-
     def packed(self) -> Packed:
         """The nodes as kernels see them."""
+        if self._packed is None:
+            self._packed = self._pack()
+        return self._packed
+
+    def _pack(self) -> Packed:
         return PATCHES.pack(
             corners=np.ascontiguousarray(self.corners.reshape(-1, 12)),
             sides=self.sides,
@@ -140,6 +136,8 @@ class PatchTree:
             radii=radii,
             albedo=self.albedo[again],
             span=self.span[again],
+            edges=_longest_edges(corners, self.sides[again]),
+            open=np.ones(len(again)),
             covered=np.zeros(len(again), np.int32),
         )
         made = np.arange(first, len(self))
@@ -148,9 +146,13 @@ class PatchTree:
 
     def _cover(self, nodes: Numbers) -> None:
         """Find what of patches lies within solids."""
-        self.covered[nodes] = self._coverage(self.packed(), nodes)
+        found = self._coverage(self.packed(), nodes)
+        bits = np.unpackbits(found.astype("<u4").view(np.uint8).reshape(-1, 4), axis=1)
+        self.covered[nodes], self.open[nodes] = found, 1.0 - bits.sum(axis=1) / 16
+        self._packed = None
 
     def _append(self, **columns: npt.NDArray[np.generic]) -> None:
+        self._packed = None
         for name, rows in columns.items():
             old = getattr(self, name)
             setattr(self, name, np.concatenate([old, rows.astype(old.dtype, copy=False)]))
@@ -206,6 +208,8 @@ class PatchTree:
             areas=found.areas,
             radii=found.radii,
             albedo=mean(self.albedo),
+            edges=np.zeros(count),
+            open=np.ones(count),
             covered=np.zeros(count, np.int32),
             span=np.stack([groups.first, groups.last], axis=1),
         )
