@@ -113,7 +113,7 @@ def near_factors(patch_words, leaves, starts, sources, visible, factors, first, 
         for k in range(starts[i], starts[i + 1]):
             q = np.int64(sources[k])
             apart = norm(difference(row3(patches.centres, q), centre))
-            factors[k] = visible[k] * mean_factor(patches, leaf, q, apart)
+            factors[k] = visible[k] * mean_factor(patches, leaf, q, apart, True)
 
 
 @kernel

@@ -14,7 +14,7 @@ from isophote.kernels.base.double3 import Double3, difference, dot3, norm, row3,
 from isophote.kernels.base.jit import device
 from isophote.kernels.light.form_factor import corner3, on_patch, point_to_polygon
 
-__all__ = ["heights_over", "mean_factor", "open_share", "source_factor"]
+__all__ = ["heights_over", "mean_factor", "source_factor"]
 
 _ZERO, _ONE = np.float64(0), np.float64(1)
 _INV_PI = 1 / math.pi
@@ -81,7 +81,7 @@ def _cluster_factor(patches, place, normal, q):
 
 
 @device
-def open_share(patches, place, normal, q):
+def _open_share(patches, place, normal, q):
     """The share of what a place could see of patch q, above its horizon, that lies within no solid."""
     covered = patches.covered[q]
     if covered == 0:
@@ -123,8 +123,8 @@ def _quadrature(patches, p, grid, i, j):
 
 
 @device
-def source_factor(patches, place, normal, q):
-    """Form factor from a place to what of node q lies within no solid; 0 behind it."""
+def _whole_factor(patches, place, normal, q):
+    """Form factor from a place to node q; 0 behind it."""
     if patches.sides[q] == 0:
         return _cluster_factor(patches, place, normal, q)
     way = difference(row3(patches.centres, q), place)
@@ -139,12 +139,19 @@ def source_factor(patches, place, normal, q):
             for j in range(2):
                 on, weight = _quadrature(patches, q, 2, i, j)
                 factor += _point_factor(patches, place, normal, q, on, weight * patches.sizes[q, 0])
-    return factor * open_share(patches, place, normal, q)
+    return factor
 
 
 @device
-def mean_factor(patches, p, q, distance):
-    """Mean form factor from patch p to what of node q lies within no solid, their centres so far apart."""
+def source_factor(patches, place, normal, q):
+    """Form factor from a place to what of node q lies within no solid; 0 behind it."""
+    factor = _whole_factor(patches, place, normal, q)
+    return factor * _open_share(patches, place, normal, q) if factor > _ZERO else _ZERO
+
+
+@device
+def mean_factor(patches, p, q, distance, open_only):
+    """Mean form factor from patch p to node q, or to what of it lies within no solid, their centres so far apart."""
     reach = patches.sizes[p, 1] + patches.sizes[q, 1]
     normal = row3(patches.normals, p)
     grid = 1 if distance > _FAR * reach else (2 if distance > _NEAR * reach else _GRID)
@@ -152,5 +159,6 @@ def mean_factor(patches, p, q, distance):
     for i in range(grid):
         for j in range(grid):
             place, weight = _quadrature(patches, p, grid, i, j)
-            sum_ += weight * source_factor(patches, place, normal, q)
+            factor = source_factor(patches, place, normal, q) if open_only else _whole_factor(patches, place, normal, q)
+            sum_ += weight * factor
     return sum_
