@@ -154,6 +154,7 @@ _HOME = {
     "studio": "scene.studio",
     "tangents": "convert.tangents",
     "text": "shapes.field.field2",
+    "texture_glsl": "lower.texture_glsl",
     "texture_values": "lower.texture_probe",
     "to_glsl": "convert.glsl",
     "to_mesh": "convert.contour",

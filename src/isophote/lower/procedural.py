@@ -24,7 +24,7 @@ from isophote.scene.ramps import Blend, Placed, Ramp
 from isophote.scene.texture import Texture
 from isophote.scene.transform import Transform
 
-__all__ = ["TextureNode", "node_of"]
+__all__ = ["Constant", "TextureNode", "node_of"]
 
 _SPACES = {"own": combine.OF_OWN, "uv": combine.OF_UV, "world": combine.OF_WORLD}
 _BETWEEN = {"linear": combine.LINEAR, "smooth": combine.SMOOTH, "constant": combine.CONSTANT}
@@ -77,12 +77,14 @@ class TextureNode:
 
 
 @attrs.frozen
-class _Constant(Texture):
+class Constant(Texture):
+    """One colour, where a child may be any texture."""
+
     colour: Colour
 
 
 def _child(value: Colour | Texture) -> Texture:
-    return value if isinstance(value, Texture) else _Constant(value)
+    return value if isinstance(value, Texture) else Constant(value)
 
 
 def node_of(texture: Texture) -> TextureNode:
@@ -183,7 +185,7 @@ def _grid(texture: GridNumber) -> TextureNode:
 
 
 _DESCRIBE: dict[type, Callable[[Any], TextureNode]] = {
-    _Constant: lambda texture: TextureNode(combine.constant, texture.colour),
+    Constant: lambda texture: TextureNode(combine.constant, texture.colour),
     Blend: _blend,
     CheckerNumber: lambda texture: TextureNode(periodic.checker, (texture.size,)),
     Coordinate: lambda texture: TextureNode(periodic.coordinate, _coordinate(texture)),
