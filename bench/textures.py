@@ -39,8 +39,9 @@ def horizon(picture: iso.ImageTexture) -> iso.Scene:
 
 
 def drawn(scene: iso.Scene, size: tuple[int, int], samples: int, seed: int = 1) -> npt.NDArray[np.float64]:
-    """Colours under ambient light alone: of a matte surface, its texture."""
-    image = iso.render(scene, iso.RayTrace(samples=samples), size=size, seed=seed, progress=False)
+    """Colours under ambient light alone: of a matte surface, its texture. One sample is taken in the middle."""
+    method = iso.RayTrace(samples=samples, pattern="regular" if samples == 1 else "blue-noise")
+    image = iso.render(scene, method, size=size, seed=seed, progress=False)
     return image.channels["colour"].astype(np.float64)
 
 

@@ -38,14 +38,20 @@ class Decoded(NamedTuple):
     text: dict[str, str]
 
 
-def load_texture(path: StrPath, *, colour_space: str | None = None, wrap: str = "repeat") -> ImageTexture:
+def load_texture(
+    path: StrPath,
+    *,
+    colour_space: str | None = None,
+    wrap: str | tuple[str, str] = "repeat",
+    filter: str = "ewa",
+) -> ImageTexture:
     """Read a picture file as an `ImageTexture`.
 
     The kind is told by content: Radiance (.hdr) and OpenEXR give float32 pixels, linear; PNG, JPEG, WebP,
     TIFF, BMP, GIF, PPM, JPEG 2000 and TGA give uint8 pixels, sRGB, or float32 ones where the file has grey
     pixels of 16 bits (sRGB) or floats (linear). Colour pictures of 16 bits a channel keep the upper 8.
     Palettes become colours, transparency a fourth channel. `colour_space` ("srgb" or "linear") says otherwise,
-    as for normal maps. Values of an EXR that are no number become 0, infinite ones the largest finite one,
+    as for normal maps; `wrap` and `filter` are those of `ImageTexture`. Values of an EXR that are no number become 0, infinite ones the largest finite one,
     with an `IsophoteWarning`.
 
     Raises `FileError` for files that are missing, damaged, of another kind, or far larger than their bytes
@@ -56,7 +62,7 @@ def load_texture(path: StrPath, *, colour_space: str | None = None, wrap: str = 
         pixels, space = _exr_pixels(path), "linear"
     else:
         pixels, space, _ = decode_picture(data, path)
-    return ImageTexture(pixels, colour_space or space, wrap, name=Path(path).name)
+    return ImageTexture(pixels, colour_space or space, wrap, filter, name=Path(path).name)
 
 
 def decode_picture(data: bytes, path: StrPath, place: str = "") -> Decoded:
