@@ -51,8 +51,8 @@ def load_texture(
     TIFF, BMP, GIF, PPM, JPEG 2000 and TGA give uint8 pixels, sRGB, or float32 ones where the file has grey
     pixels of 16 bits (sRGB) or floats (linear). Colour pictures of 16 bits a channel keep the upper 8.
     Palettes become colours, transparency a fourth channel. `colour_space` ("srgb" or "linear") says otherwise,
-    as for normal maps; `wrap` and `filter` are those of `ImageTexture`. Values of an EXR that are no number become 0, infinite ones the largest finite one,
-    with an `IsophoteWarning`.
+    as for normal maps; `wrap` and `filter` are those of `ImageTexture`. Values of an EXR that are no number
+    become 0, infinite ones the largest finite one, with an `IsophoteWarning`.
 
     Raises `FileError` for files that are missing, damaged, of another kind, or far larger than their bytes
     can hold.
