@@ -11,8 +11,6 @@ from __future__ import annotations
 
 import argparse
 import math
-import os
-import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -20,8 +18,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import isophote as iso
+from mitsuba_side import render_mitsuba
 
-__all__ = ["SCENES", "Agreement", "compare", "has_models", "render_mitsuba", "render_ours"]
+__all__ = ["KINDS", "SCENES", "Agreement", "compare", "has_models", "render_ours"]
 
 _MODELS = Path(__file__).parents[1] / "../shared/models"
 _RUNS = 16
@@ -119,6 +118,25 @@ def _outdoors(camera: Any) -> iso.Scene:
     return iso.Scene([floor, *_BOXES], [sky], camera)
 
 
+def _brushed() -> iso.Scene:
+    """A floor of metal, brushed from left to right, under a ball."""
+    corners = [(-1.5, -1, -1.5), (-1.5, -1, 1.5), (1.5, -1, 1.5), (1.5, -1, -1.5)]
+    floor = iso.Mesh(corners, [(0, 1, 2, 3)]).with_(attributes={"uv": [(0, 0), (0, 1), (1, 1), (1, 0)]})
+    metal = iso.Metal("aluminium", (0.7, 0.25), single_bounce=True)
+    lamp = iso.SphereLight(radius=0.3, radiance=(9, 8, 7)).at((-0.3, 0.2, -0.6))
+    return iso.Scene(
+        [iso.Item(floor, metal), *_BOXES],
+        [lamp, iso.Sky(0.2)],
+        iso.Camera((0.5, 0.7, 1.5), (0, -0.9, -0.1), fov_degrees=38),
+    )
+
+
+def _pane() -> iso.Scene:
+    """A pane before two boxes, in the sun and under a sky."""
+    pane = iso.Item(_quad((-0.9, -0.9, 0.7), (0.3, -0.9, 0.9), (0.3, 0.3, 0.9), (-0.9, 0.3, 0.7)), iso.ThinGlass(1.6))
+    return iso.Scene([*_room(), *_BOXES, pane], [iso.Sun((0.3, 0.8, 2), 3), iso.Sky((0.5, 0.6, 0.7))], _FRONT)
+
+
 SCENES: dict[str, Callable[[], iso.Scene]] = {
     "rectangle": _cornell(iso.RectLight(size=(0.6, 0.5), radiance=(12, 10, 8)).at((0, 0.98, 0))),
     "mesh light": _cornell(items=(iso.Item(_ball(0.2, (0.2, 0.4, 0), 8), iso.Emitter((9, 6, 3))),)),
@@ -138,147 +156,25 @@ SCENES: dict[str, Callable[[], iso.Scene]] = {
     "sharp and blunt": _balls(iso.Metal("silver", 0.2, single_bounce=True), iso.Metal("iron", 1, single_bounce=True)),
     "rough glass": _balls(iso.Glass(1.5, roughness=0.6), iso.Glass(1.3, (0.9, 0.8, 0.7), roughness=0.3)),
     "plastic": _balls(iso.Plastic((0.6, 0.2, 0.1), 0), iso.Plastic((0.1, 0.4, 0.95), 0, ior=1.9)),
+    "spot": _cornell(iso.SpotLight((0.3, 0.9, 0.5), 40, target=(-0.2, -1, 0), cone_degrees=50, colour=(1, 0.8, 0.6))),
+    "brushed metal": _brushed,
+    "thin glass": _pane,
+    "mix": _balls(
+        iso.Mix(iso.Matte((0.6, 0.2, 0.1)), iso.Metal("gold", 0.5, single_bounce=True), 0.4),
+        iso.Mix(iso.Plastic((0.1, 0.4, 0.9), 0), iso.Matte(0.8), 0.7),
+    ),
     "environment": lambda: _outdoors(iso.Camera((1.5, 0.8, 3), (0, -0.5, 0))),
     "thin lens": lambda: _outdoors(iso.Camera((1.5, 0.8, 3), (0.3, -0.6, 0.3), lens_radius=0.12)),
     "orthographic": lambda: _outdoors(iso.OrthographicCamera((1.5, 1.2, 3), (0, -0.5, 0), height=2.6)),
 }
 
+# One for each kind of light, all on matte surfaces, and for each kind of reflectance that both have.
+KINDS = (
+    *("rectangle", "disk", "sphere", "mesh light", "point", "spot", "sun", "sky", "environment"),
+    *("glass and mirror", "sharp and blunt", "brushed metal", "rough glass", "plastic", "thin glass", "mix"),
+)
 
-# --- their side -----------------------------------------------------------------------------------
-
-
-def _mitsuba() -> Any:
-    import mitsuba
-
-    if not mitsuba.variant():
-        mitsuba.set_variant("llvm_ad_rgb" if os.environ.get("DRJIT_LIBLLVM_PATH") else "scalar_rgb")
-    return mitsuba
-
-
-def _rgb(triple: Any) -> dict[str, Any]:
-    return {"type": "rgb", "value": [float(c) for c in triple]}
-
-
-def _material(material: Any) -> dict[str, Any]:
-    if isinstance(material, iso.Matte):
-        return {"type": "twosided", "inner": {"type": "diffuse", "reflectance": _rgb(material.colour)}}
-    if isinstance(material, iso.Mirror):
-        inner = {"type": "conductor", "material": "none", "specular_reflectance": _rgb(material.colour)}
-        return {"type": "twosided", "inner": inner}
-    if isinstance(material, iso.Glass):
-        return _boundary(material)
-    if isinstance(material, iso.Metal):
-        return {"type": "twosided", "inner": _metal(material)}
-    if isinstance(material, iso.Plastic):
-        inner = {"type": "plastic", "diffuse_reflectance": _rgb(material.colour), "nonlinear": True}
-        return {"type": "twosided", "inner": inner | {"int_ior": material.ior, "ext_ior": 1.0}}
-    return {"type": "diffuse", "reflectance": _rgb((0, 0, 0))}
-
-
-def _roughness(material: iso.Metal | iso.Glass) -> dict[str, Any]:
-    """What is added to a smooth kind's description; nothing where it is smooth."""
-    along, across = material.roughness
-    return {} if along == 0 else {"distribution": "ggx", "alpha_u": along**2, "alpha_v": across**2}
-
-
-def _metal(material: iso.Metal) -> dict[str, Any]:
-    rough = _roughness(material)
-    n, k = material.index
-    colour = {"specular_reflectance": _rgb(material.colour)}
-    return {"type": "roughconductor" if rough else "conductor", "eta": _rgb(n), "k": _rgb(k), **colour, **rough}
-
-
-def _boundary(material: iso.Glass) -> dict[str, Any]:
-    rough = _roughness(material)
-    colour = {f"specular_{way}": _rgb(material.colour) for way in ("reflectance", "transmittance")}
-    kind = "roughdielectric" if rough else "dielectric"
-    return {"type": kind, "int_ior": material.ior, "ext_ior": 1.0, **colour, **rough}
-
-
-def _shape(item: iso.Item, folder: Path, name: str) -> dict[str, Any]:
-    cut = iso.triangulate(item.shape)
-    path = folder / f"{name}.ply"
-    iso.save(iso.Mesh(item.transform.apply(item.shape.vertices), cut.triangles), path)
-    shape = {"type": "ply", "filename": str(path), "face_normals": True, "bsdf": _material(item.material)}
-    if isinstance(item.material, iso.Emitter):
-        shape["emitter"] = {"type": "area", "radiance": _rgb(item.material.radiance)}
-    return shape
-
-
-def _light(mi: Any, light: Any, folder: Path) -> dict[str, Any]:
-    transform = mi.ScalarTransform4f
-    black = _material(None)
-    if isinstance(light, iso.PointLight):
-        return {"type": "point", "position": list(light.position), "intensity": _rgb(light.intensity_rgb)}
-    if isinstance(light, iso.Sun):
-        toward = [-c for c in light.unit_direction]
-        return {"type": "directional", "direction": toward, "irradiance": _rgb(light.irradiance_rgb)}
-    if isinstance(light, iso.Sky):
-        return {"type": "constant", "radiance": _rgb(light.radiance_rgb)}
-    if isinstance(light, iso.Environment):
-        return _picture(mi, light, folder)
-    area = {"type": "area", "radiance": _rgb(light.radiance_rgb)}
-    if isinstance(light, iso.SphereLight):
-        return {
-            "type": "sphere",
-            "center": list(light.position),
-            "radius": light.radius,
-            "bsdf": black,
-            "emitter": area,
-        }
-    # Their rectangles and disks reach from −1 to 1 and face +z; ours face −y.
-    across, along = (light.size[0] / 2, light.size[1] / 2) if isinstance(light, iso.RectLight) else (light.radius,) * 2
-    place = light.transform.matrix.copy()
-    own = np.stack([across * place[:3, 0], along * place[:3, 2], -place[:3, 1], place[:3, 3]], 1)
-    kind = "rectangle" if isinstance(light, iso.RectLight) else "disk"
-    matrix = transform(np.vstack([own, (0, 0, 0, 1)]))
-    return {"type": kind, "to_world": matrix, "bsdf": black, "emitter": area}
-
-
-def _picture(mi: Any, light: iso.Environment, folder: Path) -> dict[str, Any]:
-    """Their maps lie as ours do, +z in the middle, +x in the left half; but their first and last rows are the poles,
-    where ours are half a row away. Rows are therefore resampled, closely enough that nothing else changes."""
-    texels = light.texture.pixels[..., :3] * np.float32(light.strength)
-    height = len(texels)
-    row = np.clip(np.linspace(0, height, 8 * height + 1) - 0.5, 0, height - 1)
-    above = np.minimum(row.astype(int), height - 2)
-    share = (row - above).astype(np.float32)[:, None, None]
-    pixels = np.ascontiguousarray(texels[above] * (1 - share) + texels[above + 1] * share)
-    path = folder / "sky.exr"
-    mi.Bitmap(pixels).write(str(path))
-    turn = mi.ScalarTransform4f().rotate([0, 1, 0], math.degrees(light.rotation))
-    return {"type": "envmap", "filename": str(path), "to_world": turn}
-
-
-def _camera(mi: Any, camera: Any, size: int, samples: int) -> dict[str, Any]:
-    look = mi.ScalarTransform4f().look_at(list(camera.eye), list(camera.target), list(camera.up))
-    film = {"type": "hdrfilm", "width": size, "height": size, "rfilter": {"type": "box"}, "pixel_format": "rgb"}
-    common = {"film": film, "sampler": {"type": "independent", "sample_count": samples}}
-    if isinstance(camera, iso.OrthographicCamera):
-        half = camera.height / 2
-        return {"type": "orthographic", "to_world": look @ mi.ScalarTransform4f().scale([half, half, 1]), **common}
-    common |= {"fov": camera.fov_degrees, "to_world": look}
-    if camera.lens_radius > 0:
-        return {"type": "thinlens", "aperture_radius": camera.lens_radius, "focus_distance": camera.focus, **common}
-    return {"type": "perspective", **common}
-
-
-def render_mitsuba(scene: iso.Scene, size: int, samples: int) -> np.ndarray:
-    """(runs, size, size, 3) pictures of different seeds."""
-    mi = _mitsuba()
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        described: dict[str, Any] = {
-            "type": "scene",
-            "integrator": {"type": "path", "max_depth": _DEPTH, "rr_depth": 100},
-            "sensor": _camera(mi, scene.camera, size, samples),
-        }
-        for k, item in enumerate(scene.items):
-            described[f"item{k}"] = _shape(item, folder, f"item{k}")
-        for k, light in enumerate(scene.lights):
-            described[f"light{k}"] = _light(mi, light, folder)
-        loaded = mi.load_dict(described)
-    return np.array([np.array(mi.render(loaded, spp=samples, seed=k + 1), np.float64) for k in range(_RUNS)])
+# --- pictures -------------------------------------------------------------------------------------
 
 
 def render_ours(scene: iso.Scene, size: int, samples: int) -> np.ndarray:
@@ -304,7 +200,7 @@ def _deviations(ours: np.ndarray, theirs: np.ndarray) -> np.ndarray:
 def compare(name: str, size: int, samples: int) -> tuple[Agreement, np.ndarray, np.ndarray]:
     """The agreement of a scene's two pictures, and their runs."""
     scene = SCENES[name]()
-    ours, theirs = render_ours(scene, size, samples), render_mitsuba(scene, size, samples)
+    ours, theirs = render_ours(scene, size, samples), render_mitsuba(scene, size, samples, _DEPTH, _RUNS)
     deviation = _deviations(ours, theirs)
     means = ours.mean(axis=(1, 2, 3)), theirs.mean(axis=(1, 2, 3))
     error = math.sqrt(sum(float(m.var(ddof=1) / m.mean() ** 2) / _RUNS for m in means))

@@ -1,7 +1,10 @@
-"""Radiosity: form factors against closed forms, a room against path tracing, and how cost grows with the elements.
+"""Light: the path tracer against Mitsuba, and radiosity: form factors against closed forms, a room against path
+tracing, and how cost grows with the elements.
 
-    python bench/light.py [--rounds 1] [--elements 1000 10000 100000]
+    python bench/light.py [--only mitsuba form-factors room cost] [--size 48] [--samples 512]
+        [--rounds 1] [--elements 1000 10000 100000]
 
+Beside Mitsuba stands one scene for each kind of light and of reflectance that both have; see compare_mitsuba.py.
 Elements are the faces of a room's walls, cut into grids beforehand, and what the solver cuts them into.
 """
 
@@ -10,6 +13,7 @@ from __future__ import annotations
 import argparse
 import time
 from collections.abc import Sequence
+from importlib.util import find_spec
 
 import numpy as np
 
@@ -20,6 +24,9 @@ FLOOR = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], float)
 CEILING = np.add(FLOOR[::-1], (0, 0, 1))
 WALL = np.array([(0, 0, 0), (0, 1, 0), (0, 1, 1), (0, 0, 1)], float)
 COST_GOAL, SECONDS_GOAL, PATH_GOAL = 1.2, 20.0, 0.005
+# Of normal deviates 99.73 % are within 3 σ; of so many values as there are, a tenth of a percent fewer may be.
+MEAN_GOAL, SHARE_GOAL = 0.003, 0.996
+PARTS = ("mitsuba", "form-factors", "room", "cost")
 
 
 def grid(corner: Sequence[float], along: Sequence[float], across: Sequence[float], count: int) -> iso.Mesh:
@@ -43,6 +50,30 @@ def room(count: int) -> iso.Scene:
     lamp = iso.RectLight(size=(0.5, 0.5), radiance=15).at((0, 1.98, 0))
     camera = iso.Camera((0, 1, 4.4), (0, 1, 0), fov_degrees=34)
     return iso.Scene([iso.Item(mesh, iso.Matte(colour)) for mesh, colour in walls], lights=[lamp], camera=camera)
+
+
+def compare_with_mitsuba(size: int, samples: int) -> None:
+    """Means of whole pictures, and pixels by their noise."""
+    if find_spec("mitsuba") is None:
+        print("Mitsuba is not installed")
+        return
+    from compare_mitsuba import KINDS, compare, has_models
+
+    print("| scene | mean against Mitsuba's | standard error | within 3 σ | mean square deviation | goal |")
+    print("|---|---|---|---|---|---|")
+    for name in KINDS:
+        if name == "environment" and not has_models():
+            print("| environment | the picture of the sky is not here |  |  |  |  |")
+            continue
+        found, _, _ = compare(name, size, samples)
+        off = abs(found.ratio - 1) - 3 * found.ratio_error
+        met = "met" if off <= MEAN_GOAL and found.share >= SHARE_GOAL else "**missed**"
+        print(
+            f"| {name} | {found.ratio - 1:+.3%} | {found.ratio_error:.3%} | {found.share:.2%} | "
+            f"{found.mean_square:.3f} | {met} |",
+            flush=True,
+        )
+    print(f"\nGoal: means within {MEAN_GOAL:.1%} and three standard errors, {SHARE_GOAL:.1%} of the values within 3 σ.")
 
 
 def compare_form_factors() -> None:
@@ -91,14 +122,22 @@ def measure_cost(wanted: Sequence[int], rounds: int) -> None:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--only", nargs="+", choices=PARTS, default=PARTS)
+    parser.add_argument("--size", type=int, default=48, help="of pictures beside Mitsuba's")
+    parser.add_argument("--samples", type=int, default=512, help="paths a pixel in each of 16 runs of those")
     parser.add_argument("--rounds", type=int, default=1)
     parser.add_argument("--elements", type=int, nargs="+", default=[1000, 10_000, 100_000])
     options = parser.parse_args(arguments)
     print_machine()
-    compare_form_factors()
-    compare_path_tracing()
-    iso.radiosity(room(2), iso.Radiosity(patch=1.0), progress=False)
-    measure_cost(options.elements, options.rounds)
+    if "mitsuba" in options.only:
+        compare_with_mitsuba(options.size, options.samples)
+    if "form-factors" in options.only:
+        compare_form_factors()
+    if "room" in options.only:
+        compare_path_tracing()
+    if "cost" in options.only:
+        iso.radiosity(room(2), iso.Radiosity(patch=1.0), progress=False)
+        measure_cost(options.elements, options.rounds)
 
 
 if __name__ == "__main__":

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import sys
 from pathlib import Path
 
@@ -10,11 +9,9 @@ import pytest
 
 pytest.importorskip("mitsuba")
 
-_BENCH = Path(__file__).parents[1] / "bench" / "compare_mitsuba.py"
-_spec = importlib.util.spec_from_file_location("compare_mitsuba", _BENCH)
-compare_mitsuba = importlib.util.module_from_spec(_spec)
-sys.modules["compare_mitsuba"] = compare_mitsuba
-_spec.loader.exec_module(compare_mitsuba)
+# After the tests' own folder, some of whose names are there too.
+sys.path.append(str(Path(__file__).parents[1] / "bench"))
+import compare_mitsuba
 
 
 @pytest.mark.parametrize("name", compare_mitsuba.SCENES)
