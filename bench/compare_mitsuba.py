@@ -2,7 +2,7 @@
 
     python bench/compare_mitsuba.py [--size 96] [--samples 256] [--save FOLDER] [scene ...]
 
-For each scene both render 16 pictures of independent samples from different seeds. Per pixel and channel, the
+For each scene both render 16 pictures from different seeds, each of samples that lie evenly. Per pixel and channel, the
 difference of the means over its standard error should be a normal deviate: 99.7 % within 3, mean square 1. The table
 shows the ratio of the mean colours with its standard error in percent, that share, and the mean square.
 """
@@ -179,7 +179,7 @@ KINDS = (
 
 def render_ours(scene: iso.Scene, size: int, samples: int) -> np.ndarray:
     """(runs, size, size, 3) pictures of different seeds."""
-    method = iso.PathTrace(samples=samples, max_depth=_DEPTH, pattern="independent")
+    method = iso.PathTrace(samples=samples, max_depth=_DEPTH, pattern="sobol")
     runs = [iso.render(scene, method, size=(size, size), seed=k + 1, progress=False) for k in range(_RUNS)]
     return np.array([run.channels["colour"].astype(np.float64) for run in runs])
 

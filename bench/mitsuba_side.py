@@ -145,7 +145,7 @@ def _picture(mi: Any, light: iso.Environment, folder: Path) -> dict[str, Any]:
 def _camera(mi: Any, camera: Any, size: int, samples: int) -> dict[str, Any]:
     look = mi.ScalarTransform4f().look_at(list(camera.eye), list(camera.target), list(camera.up))
     film = {"type": "hdrfilm", "width": size, "height": size, "rfilter": {"type": "box"}, "pixel_format": "rgb"}
-    common = {"film": film, "sampler": {"type": "independent", "sample_count": samples}}
+    common = {"film": film, "sampler": {"type": "multijitter", "sample_count": samples}}
     if isinstance(camera, iso.OrthographicCamera):
         half = camera.height / 2
         return {"type": "orthographic", "to_world": look @ mi.ScalarTransform4f().scale([half, half, 1]), **common}
