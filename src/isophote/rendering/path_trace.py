@@ -16,6 +16,7 @@ from isophote.rendering.exposure import Moment, expose, over_moments
 from isophote.rendering.film import Film
 from isophote.rendering.image import Image
 from isophote.rendering.method import Job, checked_accelerator, first_hit_channels
+from isophote.rendering.oddities import warn_of_oddities
 from isophote.rendering.passes import MOST_SAMPLES, PATTERNS, Limits, trace_passes
 from isophote.rendering.pixel_filter import PixelFilter, as_pixel_filter, filter_table, pixel_filter
 from isophote.rendering.pool import Pool, Tile
@@ -61,6 +62,7 @@ class PathTrace:
     def render(self, job: Job) -> Image:
         """The path-traced picture."""
         warn_if_dark(job.scene)
+        warn_of_oddities(job.scene)
         warm_up(job.report, job.scene, "path", self.accelerator)
         began = time.monotonic()
         job.report("building the tree", 0.0)

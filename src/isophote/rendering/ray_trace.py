@@ -13,6 +13,7 @@ from isophote.rendering.darkness import warn_if_dark
 from isophote.rendering.exposure import expose
 from isophote.rendering.image import Image
 from isophote.rendering.method import Job, checked_accelerator, first_hit_channels
+from isophote.rendering.oddities import warn_of_oddities
 from isophote.rendering.passes import MOST_SAMPLES, PATTERNS, Limits, trace_passes
 from isophote.rendering.pixel_filter import PixelFilter, pixel_filter
 from isophote.rendering.pool import Pool
@@ -76,6 +77,7 @@ class RayTrace:
     def render(self, job: Job) -> Image:
         """The ray-traced picture."""
         warn_if_dark(job.scene)
+        warn_of_oddities(job.scene)
         warm_up(job.report, job.scene, "ray", self.accelerator)
         began = time.monotonic()
         job.report("building the tree", 0.0)

@@ -21,6 +21,7 @@ from isophote.lower.scene import lower_scene
 from isophote.rendering.darkness import warn_if_dark
 from isophote.rendering.image import Image
 from isophote.rendering.method import Array, Job, Size, extent_of
+from isophote.rendering.oddities import warn_of_oddities
 from isophote.rendering.pool import Pool, Tile, tiles_of
 from isophote.rendering.stills import over_shutter
 from isophote.rendering.warm import warm_up
@@ -100,6 +101,7 @@ class SphereTrace:
     def render(self, job: Job) -> Image:
         """The sphere-traced picture."""
         warn_if_dark(job.scene)
+        warn_of_oddities(job.scene)
         warm_up(job.report, job.scene, "sphere")
         return over_shutter(self._still, job)
 

@@ -12,6 +12,7 @@ from isophote.lower.scene import lower_scene
 from isophote.progress import ProgressLike, Reporter, reporter
 from isophote.rendering.image import Image
 from isophote.rendering.method import Job
+from isophote.rendering.oddities import warn_of_oddities
 from isophote.rendering.radiosity.coverage import Coverage
 from isophote.rendering.radiosity.faces import Faces, faces_of
 from isophote.rendering.radiosity.hierarchy import settle
@@ -62,6 +63,7 @@ class Radiosity:
         scene = job.scene.still()
         if scene.camera is None:
             raise RenderError("Radiosity: the scene has no camera")
+        warn_of_oddities(job.scene)
         began = time.monotonic()
         found = self.solve(scene, job.report, job.threads)
         image = found.image(scene.camera, job.size, samples=self.samples)
