@@ -130,3 +130,38 @@ def test_ramps_are_straight_smooth_or_constant_between_stops() -> None:
         np.testing.assert_allclose(red(iso.Ramp(number, stops, between), places), expected, atol=4e-6)
     expected = np.where(t < 0.5, 0.1, np.where(t < 0.8, 0.3, 0.6))
     np.testing.assert_allclose(red(iso.Ramp(number, stops, "constant"), places), expected, atol=1e-6)
+
+
+EVERYWHERE = [
+    *(
+        iso.Checker(size=1e-6),
+        iso.Stripes(size=1e-6),
+        iso.Grid(size=1e-6),
+        iso.Gradient(shape="radial"),
+        iso.Waves(size=1e-6),
+    ),
+    *(noise(size=1e-6) for noise in (iso.ValueNoise, iso.PerlinNoise, iso.SimplexNoise, iso.WorleyNoise)),
+    *(iso.Fbm(kind=kind) for kind in ("fbm", "turbulence", "ridged")),
+    *(iso.Marble(), iso.Wood(), iso.PerlinNoise(transform=iso.Transform.identity().scale(1e-6))),
+]
+
+
+@pytest.mark.parametrize("texture", EVERYWHERE, ids=repr)
+def test_textures_are_colours_however_far_away(texture: iso.Texture) -> None:
+    far = np.array([[1e7, -3e8, 2e9], [1e15, 1, -1e20], [3e38, -3e38, 3e38], [-1e30, 1e-30, 0]], np.float32)
+    for axes in (0.0, np.full((2, 3), 1e-3), np.full((2, 3), 1e30)):
+        found = iso.texture_values(texture, own=far, own_axes=axes)
+        assert np.isfinite(found).all()
+        assert found.min() >= 0
+        assert found.max() <= 1
+
+
+def test_patterns_go_with_instances(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of a mesh that is used often, and stored once in its own space."""
+    monkeypatch.setattr("isophote.lower.geometry._BAKED_TRIANGLES", 0)
+    mesh, noise = iso.to_mesh(iso.box(1.0), cell=0.5), iso.Matte(iso.PerlinNoise(size=0.3))
+    left = iso.Item(mesh, noise).translate((-1, 0, 0))
+    right = iso.Item(mesh, noise).translate((1, 0, 0))
+    seen = [picture([left, right], iso.OrthographicCamera((x, 0, 5), (x, 0, 0), height=0.9)) for x in (-1.0, 1.0)]
+    assert seen[0].std() > 0.02
+    np.testing.assert_allclose(*seen, atol=1e-4)

@@ -22,6 +22,7 @@ __all__ = [
     "fade",
     "faded",
     "footprint",
+    "fraction",
     "own_place",
     "quintic",
     "row_key",
@@ -48,10 +49,17 @@ _X, _Y, _Z = _U(0x8DA6B343), _U(0xD8163841), _U(0xCB1AB31F)
 
 
 @exact_device
+def fraction(x):
+    """x − ⌊x⌋; 0 where x is not finite."""
+    rest = x - np.floor(x)
+    return rest if rest >= _ZERO else _ZERO
+
+
+@exact_device
 def cell_of(x):
-    """(the whole number below x, the rest from 0, below 1)."""
+    """(the whole number below x, the rest from 0 to 1); whatever x is."""
     below = np.floor(x)
-    return np.int32(min(max(below, -_FAR), _FAR)), x - below
+    return np.int32(min(max(below, -_FAR), _FAR)), fraction(x)
 
 
 @device

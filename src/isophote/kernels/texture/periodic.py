@@ -15,7 +15,7 @@ from isophote.kernels.base.jit import device
 from isophote.kernels.base.vec import dot, load_vec3, vec3
 from isophote.kernels.texture.combine import child
 from isophote.kernels.texture.contract import CHILD_A, OWN, OWN_A, OWN_B, open_place
-from isophote.kernels.texture.lattice import answer_number, datum
+from isophote.kernels.texture.lattice import answer_number, datum, fraction
 
 __all__ = [
     "ANGULAR",
@@ -37,7 +37,7 @@ SINE, SAW, TRIANGLE, SQUARE = 0, 1, 2, 3
 
 _FIRST = np.int64(0)
 _ZERO, _QUARTER, _HALF, _ONE, _TWO = (np.float32(x) for x in (0, 0.25, 0.5, 1, 2))
-_LEAST = np.float32(1e-4)
+_LEAST, _MOST = np.float32(1e-4), np.float32(2.0**16)
 # Borders lie so many cells beside whole numbers: faces of solids often lie there, and would flicker.
 _ASIDE = np.float32(2.0**-10)
 _TURN = np.float32(2 * math.pi)
@@ -51,6 +51,12 @@ def _diameter(place, k):
 
 
 @device
+def _bounded(width):
+    """A width in periods; over very many of them, means do not depend on it."""
+    return width if width < _MOST else _MOST
+
+
+@device
 def _below(x, share):
     """∫₀ˣ of 1 where the fractional part is below `share`, else 0."""
     whole = np.floor(x)
@@ -60,11 +66,10 @@ def _below(x, share):
 @device
 def _part(x, width, share):
     """The part of a width around x where the fractional part is below `share`."""
-    x -= np.floor(x)
+    x = fraction(x)
     if width < _LEAST:
         return _ONE if x < share else _ZERO
-    low = x - _HALF * width
-    low -= np.floor(low)
+    low = fraction(x - _HALF * width)
     # Exactly, where there is but one of both.
     if low + width <= share:
         return _ONE
@@ -77,7 +82,7 @@ def _part(x, width, share):
 def _sign(place, k, scale):
     """Mean along an axis of what is 1 in every other cell and −1 in those between."""
     x = (place.record[OWN + k] * scale + _ASIDE) * _HALF
-    return _TWO * _part(x, _diameter(place, k) * scale * _HALF, _HALF) - _ONE
+    return _TWO * _part(x, _bounded(_diameter(place, k) * scale * _HALF), _HALF) - _ONE
 
 
 @entry
@@ -99,7 +104,7 @@ def grid(textures, node, record):
     for k in range(3):
         if datum(place, 2 + k) != _ZERO:
             x = place.record[OWN + k] * scale + _HALF * width
-            clear *= _ONE - _part(x, _diameter(place, k) * scale, width)
+            clear *= _ONE - _part(x, _bounded(_diameter(place, k) * scale), width)
     return answer_number(place, _ONE - clear)
 
 
@@ -131,7 +136,7 @@ def _coordinate(place):
         value += _ONE if value < _ZERO else _ZERO
         slope = (y_axis * x - x_axis * y) * (_ONE / (square * _TURN) if square > _ZERO else _ZERO)
     across, along = dot(slope, a), dot(slope, b)
-    return value / size, _TWO * np.sqrt(across * across + along * along) / size
+    return value / size, _bounded(_TWO * np.sqrt(across * across + along * along) / size)
 
 
 @entry
@@ -147,7 +152,7 @@ def _wave(profile, x, width, share):
     """Mean of a profile of period 1 over a width around x, from 0 to 1."""
     if profile == SQUARE:
         return _part(x, width, share)
-    x -= np.floor(x)
+    x = fraction(x)
     if profile == SINE:
         half = np.float32(math.pi) * width
         left = np.float32(math.sin(half)) / half if half > _LEAST else _ONE
