@@ -10,8 +10,11 @@ import numpy.typing as npt
 from isophote.kernels.base.table import Packed
 from isophote.kernels.light import emitter
 from isophote.kernels.light.light_tree_layout import LIGHT_TREE, NODE
+from isophote.lower.materials import emission_of
+from isophote.scene.scene import Scene
+from isophote.shapes.mesh import Mesh
 
-__all__ = ["FEWEST", "is_local", "no_light_tree", "plant"]
+__all__ = ["FEWEST", "is_local", "may_have_light_tree", "no_light_tree", "plant"]
 
 Rows: TypeAlias = npt.NDArray[np.float64]
 Kinds: TypeAlias = npt.NDArray[np.int32]
@@ -26,6 +29,13 @@ _WORDS = 16
 def is_local(kinds: Kinds) -> npt.NDArray[np.bool_]:
     """Which lights have a place, and are not infinitely far away."""
     return ~np.isin(kinds, (emitter.SUN, emitter.ENVIRONMENT))
+
+
+def may_have_light_tree(scene: Scene) -> bool:
+    """Whether a scene has so many lights, or shining shapes of so many faces, that a tree will pick among them."""
+    shining = [item.shape for item in scene.items if max(emission_of(item.material)[0]) > 0]
+    faces = sum(shape.face_count if isinstance(shape, Mesh) else 1 for shape in shining)
+    return len(scene.lights) + faces >= FEWEST
 
 
 def no_light_tree() -> Packed:

@@ -17,6 +17,8 @@ from isophote import kernels
 from isophote.kernels.base.cache import is_compiled
 from isophote.kernels.base.table import Table
 from isophote.kernels.trace import tables, wave
+from isophote.lower.lamps import many_lamps
+from isophote.lower.light_tree import may_have_light_tree
 from isophote.lower.materials import is_linked
 from isophote.lower.primitive_table import primitive_of
 from isophote.progress import Reporter
@@ -120,6 +122,14 @@ def _materials() -> None:
     prepare.prepare.compile()
 
 
+def _light_tree() -> None:
+    from isophote.kernels.light import emitter, light_tree_entry
+    from isophote.lower.light_tree import plant
+
+    light_tree_entry.ask_light_tree.compile()
+    plant(np.full(2, emitter.POINT, np.int32), np.zeros((2, 18)))
+
+
 def _counts() -> None:
     from isophote.kernels.trace import count
 
@@ -146,6 +156,7 @@ _PARTS = {
     "fields": _Part("accel/field_build.py", "split_regions", _fields),
     "primitives": _Part("primitive/surface.py", "primitive_surface", _primitives),
     "materials": _Part("trace/prepare.py", "prepare", _materials),
+    "light tree": _Part("light/light_tree_build.py", "collapse_light_tree", _light_tree),
     "visits": _Part("trace/count.py", "count_pixels", _counts),
     **{name: _Part(*part) for name, part in accelerator_parts()},
 }
@@ -185,10 +196,14 @@ def warm_up(report: Reporter, scene: Scene, method: str, accelerator: str = "bvh
     same cache."""
     rest = [] if method == "sphere" else ["first hits"]
     kinds = [_part_of(item.shape, method) for item in scene.items]
+    if method != "sphere" and many_lamps(scene):
+        kinds.append("primitives")
     rest += [*sorted(set(kinds)), *parts_of_accelerators(accelerator, kinds, counting=method == "visits")]
     # Sphere tracing knows matte surfaces alone, and visits none.
     if method not in ("sphere", "visits") and any(is_linked(item.material) for item in scene.items):
         rest.append("materials")
+    if method == "path" and may_have_light_tree(scene):
+        rest.append("light tree")
     warm_parts(report, [method], rest)
 
 
