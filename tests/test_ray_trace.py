@@ -9,6 +9,7 @@ import pytest
 import isophote as iso
 from command_line import misused, succeeds
 from isophote.rendering import passes, ray_tiles
+from isophote.rendering.pool import tiles_of
 from ray_traced import colour, log, ray_trace, seen_along
 from scenes import box, icosphere, plane
 
@@ -290,3 +291,23 @@ def test_occlusion_textures_darken_ambient_light_and_no_other(strength, glowing)
     assert left == pytest.approx(right, rel=1e-4)
     left, right = sides([iso.Sky(1.0)], method=iso.PathTrace(samples=64))
     assert left == pytest.approx(right, rel=0.01)
+
+
+def test_many_lights_are_traced_in_smaller_tiles_and_look_the_same(monkeypatch):
+    """So progress is told, and an interruption obeyed, while the first tile would still be under way."""
+    lights = [iso.PointLight((0.1 * k - 15, 3, 1), 1.0) for k in range(300)]
+    tiles: list[int] = []
+
+    def counted(size, edge):
+        tiles.append(len(tiles_of(size, edge)))
+        return tiles_of(size, edge)
+
+    monkeypatch.setattr(passes, "tiles_of", counted)
+    few = render(MATTE, lights[:10], samples=1)
+    small = render(MATTE, lights, samples=1)
+    assert tiles[1] >= 12 * tiles[0]
+    monkeypatch.setattr(ray_tiles, "_MANY_JOBS", 1000)
+    large = render(MATTE, lights, samples=1)
+    assert tiles[2] == tiles[0]
+    assert np.array_equal(small.channels["colour"], large.channels["colour"])
+    assert not np.array_equal(small.channels["colour"], few.channels["colour"])

@@ -66,14 +66,16 @@ class Limits:
         return _DEFAULT_SAMPLES if self.seconds is None and self.noise is None else MOST_SAMPLES
 
 
-def trace_passes(work: TileWork, film: Film, limits: Limits, job: Job, pool: Pool, stage: str, began: float) -> None:
+def trace_passes(
+    work: TileWork, film: Film, limits: Limits, job: Job, pool: Pool, stage: str, began: float, edge: int = _TILE
+) -> None:
     """Call `work(tile, thread)` for all tiles, pass by pass, until a limit is reached or the user interrupts.
 
     `began` is the `time.monotonic` from which seconds count. Every pixel has its first samples, however short the time.
-    `stage` names the work in reports.
+    `stage` names the work in reports, which come, as does the end, with tiles of `edge` pixels each way.
     """
     deadline = None if limits.seconds is None else began + limits.seconds
-    tiles = tiles_of(job.size, _TILE)
+    tiles = tiles_of(job.size, edge)
     progress = _Progress(limits, job, film, stage, len(tiles), began)
     film.target[:] = min(_FIRST_PASS, limits.planned)
     try:

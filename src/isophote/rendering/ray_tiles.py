@@ -32,6 +32,8 @@ Counts: TypeAlias = npt.NDArray[np.int64]
 _WAVE = 1040
 # Light samples of a surface at most, over all lights: their numbers are kept for several surfaces at once.
 _MOST_JOBS = 2**20
+# Where so many shadow rays leave each surface, smaller tiles: progress is told, and Ctrl-C obeyed, after seconds.
+_MANY_JOBS, _EDGE, _EDGE_OF_MANY = 256, 32, 8
 
 
 class RaySettings(Protocol):
@@ -92,6 +94,8 @@ class RayTiles:
         tint = shadow_tint.address if settings.shadows == "tinted" else 0
         self._trees = [new_tree(_WAVE, settings.depth, jobs, settings.min_weight, tint, flat) for _ in range(threads)]
 
+        #: Pixels of a tile each way.
+        self.edge = _EDGE if len(jobs) < _MANY_JOBS else _EDGE_OF_MANY
         #: Traces the samples that a tile's pixels are short of: `trace(tile, thread)`.
         self.trace = over_moments(self._trace, self.film, self._plans[0], len(moments))
 

@@ -86,7 +86,7 @@ class RayTrace:
         pool = Pool(job.threads)
         tiles = RayTiles(self, moments, job, pool.threads)
         film, rays = tiles.film, tiles.rays
-        trace_passes(tiles.trace, film, self.limits, job, pool, "ray tracing", began)
+        trace_passes(tiles.trace, film, self.limits, job, pool, "ray tracing", began, tiles.edge)
         channels = first_hit_channels(middle, job.size, Pool(job.threads))
         metadata = {
             "method": repr(self),

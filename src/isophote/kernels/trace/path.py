@@ -187,7 +187,8 @@ def _go_on(tables, worth_tracing, plan, wave, depth, i, to, met, shading, into, 
     set_row_vec3(floats, rows.ORIGIN, to, start)
     set_row_vec3(floats, rows.DIRECTION, to, into)
     set_row_vec3(floats, rows.CARRIED, to, carried * factor)
-    set_row_vec3(floats, rows.FROM_NORMAL, to, shading)
+    if tables.lights.tree.entry != 0:
+        set_row_vec3(floats, rows.FROM_NORMAL, to, shading)
     floats[rows.DENSITY, to] = density
     floats[rows.HIT_T, to] = _FAR
     ints[rows.PIXEL, to] = ints[rows.PIXEL, i]
