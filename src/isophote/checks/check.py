@@ -60,8 +60,8 @@ def farthest(found: Iterable[Measured]) -> Measured:
 
 
 def mean_of(values: npt.ArrayLike, exact: float, rounding: float) -> Measured:
-    """The mean of independent random values; it may be off by 4.5 of its standard errors, which happens once in 150,000
-    times, and by `rounding`, in the unit of the values."""
+    """The mean of independent random values; it may be off by 4.5 of its standard errors, which the mean of 64 is once
+    in 30,000 times, and by `rounding`, in the unit of the values."""
     numbers = np.asarray(values, np.float64).reshape(-1)
     error = float(numbers.std(ddof=1)) / math.sqrt(len(numbers))
     return Measured(float(numbers.mean()), exact, 4.5 * error + rounding)

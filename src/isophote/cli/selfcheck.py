@@ -36,8 +36,8 @@ Topics:
 {_TOPICS}
 
 The table says of each quantity what was measured, what it is exactly, by how much the two may differ (± either way, +
-only above), and how long it took. Where randomness is left, 4.5 standard errors are allowed: with another --seed one
-check in 150,000 fails by chance. The first run on a machine compiles kernels, which takes a minute or two. The exit
+only above), and how long it took. Where chance is left, 4.5 standard errors are allowed: with another --seed one
+check in 30,000 fails by chance. The first run on a machine compiles kernels, which takes a minute or two. The exit
 status is 1 where a check fails. `isophote doctor` tells what the machine can do.
 """
 
