@@ -1,7 +1,7 @@
 """Cellular noise: how far it is to scattered points. Source: Worley, "A Cellular Texture Basis Function", 1996.
 
-Every cell of the integer lattice holds one point. Cells are searched ring by ring around the place until none further
-out can hold a nearer point, so that the answer is the one that a look at all points would give.
+Every cell of the integer lattice holds one point. Cells are searched ring by ring around the place, the nearer ones of
+the first ring first, until none further out can hold a nearer point: the answer is that of a look at all points.
 """
 
 from __future__ import annotations
@@ -57,9 +57,69 @@ def _gap(cell, fraction):
 
 
 @exact_device
-def _in_ring(ring, i, j):
-    """Step along z, so that only cells of the ring are visited."""
-    return np.int32(1) if abs(i) == ring or abs(j) == ring else np.int32(2) * ring
+def _in_ring(ring, k, j):
+    """Step along x, so that only cells of the ring are visited."""
+    return np.int32(1) if abs(k) == ring or abs(j) == ring else np.int32(2) * ring
+
+
+@exact_device
+def _turn(turn, fraction):
+    """The cell that an axis comes to by turns: its own, the one that is nearer, the one behind."""
+    ahead = np.int32(1) if fraction >= _HALF else np.int32(-1)
+    return np.int32(0) if turn == 0 else (ahead if turn == 1 else -ahead)
+
+
+@exact_device
+def _with_point(best, row, ci, cell, place, metric, jitter, alone):
+    """`best`, (nearest, second nearest, number), with the point of one more cell of a row."""
+    key = corner_key(ci + cell[0], row)
+    key_y = mix(_U(key + _STEP))
+    key_z = mix(_U(key_y + _STEP))
+    base = _HALF - _HALF * jitter
+    distance = _measure(
+        (np.float32(cell[0]) + (base + jitter * unit_of(key))) - place[0],
+        (np.float32(cell[1]) + (base + jitter * unit_of(key_y))) - place[1],
+        (np.float32(cell[2]) + (base + jitter * unit_of(key_z))) - place[2],
+        metric,
+    )
+    if distance < best[0]:
+        return distance, distance if alone else best[0], mix(_U(key_z + _STEP))
+    return best[0], min(best[1], distance) if not alone else best[1], best[2]
+
+
+@exact_device
+def _around(best, corner, place, seed, metric, jitter, alone):
+    """`best` with the cells around the place's own and itself, nearer ones first, those too far left out."""
+    for c in range(3):
+        k = _turn(c, place[2])
+        gap_z = _gap(k, place[2])
+        if _measure(_ZERO, _ZERO, gap_z, metric) >= best[1]:
+            continue
+        sheet = sheet_key(corner[2] + k, seed)
+        for b in range(3):
+            j = _turn(b, place[1])
+            gap_y = _gap(j, place[1])
+            if _measure(_ZERO, gap_y, gap_z, metric) >= best[1]:
+                continue
+            row = row_key(corner[1] + j, sheet)
+            for a in range(3):
+                i = _turn(a, place[0])
+                if _measure(_gap(i, place[0]), gap_y, gap_z, metric) < best[1]:
+                    best = _with_point(best, row, corner[0], (i, j, k), place, metric, jitter, alone)
+    return best
+
+
+@exact_device
+def _with_ring(best, ring, corner, place, seed, metric, jitter, alone):
+    """`best` with the cells that are `ring` away along some axis, and no further along any."""
+    for k in range(-ring, ring + np.int32(1)):
+        for j in range(-ring, ring + np.int32(1)):
+            row = row_key(corner[1] + j, sheet_key(corner[2] + k, seed))
+            gap_y, gap_z = _gap(j, place[1]), _gap(k, place[2])
+            for i in range(-ring, ring + np.int32(1), _in_ring(ring, k, j)):
+                if _measure(_gap(i, place[0]), gap_y, gap_z, metric) < best[1]:
+                    best = _with_point(best, row, corner[0], (i, j, k), place, metric, jitter, alone)
+    return best
 
 
 @exact_device
@@ -69,35 +129,16 @@ def worley_at(x, y, z, seed, metric, jitter, alone):
     ci, x = cell_of(x)
     cj, y = cell_of(y)
     ck, z = cell_of(z)
+    corner, place = (ci, cj, ck), (x, y, z)
+    best = _around((_LARGE, _LARGE, _U(0)), corner, place, seed, metric, jitter, alone)
     rim = min(min(min(x, _ONE - x), min(y, _ONE - y)), min(z, _ONE - z))
-    first, second, number = _LARGE, _LARGE, _U(0)
-    base = _HALF - _HALF * jitter
-    for ring in range(np.int32(0), np.int32(8)):
-        beyond = max(np.float32(ring) - _ONE + rim, _ZERO)
-        if (beyond * beyond if metric == EUCLIDEAN else beyond) >= second:
+    for ring in range(np.int32(2), np.int32(8)):
+        if _measure(np.float32(ring) - _ONE + rim, _ZERO, _ZERO, metric) >= best[1]:
             break
-        for i in range(-ring, ring + np.int32(1)):
-            for j in range(-ring, ring + np.int32(1)):
-                for k in range(-ring, ring + np.int32(1), max(_in_ring(ring, i, j), np.int32(1))):
-                    if _measure(_gap(i, x), _gap(j, y), _gap(k, z), metric) >= second:
-                        continue
-                    key = corner_key(ci + i, row_key(cj + j, sheet_key(ck + k, seed)))
-                    key_y = mix(_U(key + _STEP))
-                    key_z = mix(_U(key_y + _STEP))
-                    distance = _measure(
-                        (np.float32(i) + (base + jitter * unit_of(key))) - x,
-                        (np.float32(j) + (base + jitter * unit_of(key_y))) - y,
-                        (np.float32(k) + (base + jitter * unit_of(key_z))) - z,
-                        metric,
-                    )
-                    if distance < first:
-                        second = distance if alone else first
-                        first, number = distance, mix(_U(key_z + _STEP))
-                    elif distance < second and not alone:
-                        second = distance
+        best = _with_ring(best, ring, corner, place, seed, metric, jitter, alone)
     if metric == EUCLIDEAN:
-        return np.sqrt(first), np.sqrt(second), number
-    return first, second, number
+        return np.sqrt(best[0]), np.sqrt(best[1]), best[2]
+    return best
 
 
 @entry
