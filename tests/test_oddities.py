@@ -33,6 +33,7 @@ def scene(*items: iso.Item) -> iso.Scene:
         iso.Item(plane(2), iso.Principled(normal_texture=iso.ImageTexture(PICTURE.pixels, "linear"))),
         iso.Item(plane(2), iso.Mix(iso.Matte(), iso.Coated(iso.Metal("gold", (0.2, PICTURE))))),
         iso.Item(plane(2), iso.Matte(iso.Checker(space="uv"))),
+        iso.Item(plane(2), iso.Matte(iso.Placed(PICTURE, space="uv"))),
         iso.Item(plane(2), iso.Emitter(1, body=iso.Matte(PICTURE))),
     ],
 )
@@ -70,6 +71,7 @@ def test_several_are_one_warning_that_names_the_first() -> None:
         iso.Item(iso.sphere(1), iso.Matte(PICTURE)),
         iso.Item(plane(2), iso.Matte(iso.ImageTexture.missing("gone.png"))),
         iso.Item(plane(2), iso.Matte(iso.Checker())),
+        iso.Item(plane(2), iso.Matte(iso.Placed(PICTURE))),
         iso.Item(WITH_UVS, iso.Principled(0.4, colour_texture=BRIGHT)),
         iso.Item(WITH_UVS, iso.Principled(emission=3, emission_texture=BRIGHT)),
         iso.Item(plane(2), iso.Matte("tomato")),

@@ -14,6 +14,7 @@ from isophote.scene.image_texture import ImageTexture
 from isophote.scene.material import Principled
 from isophote.scene.material_base import Material, albedo, textures_of
 from isophote.scene.procedural import Procedural
+from isophote.scene.ramps import Placed
 from isophote.scene.scene import Item, Scene
 from isophote.scene.texture import Texture
 from isophote.shapes.mesh import Mesh
@@ -78,6 +79,9 @@ def _lies_by_coordinates(texture: Texture) -> bool:
     if isinstance(texture, ImageTexture):
         # One pixel is the same everywhere.
         return texture.size != (1, 1)
+    if isinstance(texture, Placed):
+        # What lies below it has the coordinates of the space that it is placed in.
+        return texture.space == "uv"
     if isinstance(texture, Procedural) and texture.space == "uv":
         return True
     inside = (getattr(texture, field.name) for field in attrs.fields(type(texture)))  # type: ignore[arg-type]
