@@ -18,6 +18,7 @@ _HOME = {
     "BakedOcclusion": "rendering.occlusion.bake",
     "Blend": "scene.ramps",
     "Blinn": "scene.gloss",
+    "Bump": "scene.relief",
     "Camera": "scene.camera",
     "Checker": "scene.patterns",
     "Coated": "scene.compound",

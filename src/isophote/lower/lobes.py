@@ -22,17 +22,18 @@ from isophote.kernels.brdf import (
     turned,
     ward,
 )
-from isophote.kernels.trace.turned_normal import NORMAL_MAP
+from isophote.kernels.trace.turned_normal import BUMP, NORMAL_MAP
 from isophote.lower.albedo import coat_table, mean_conductor, ring_chances, split_tables
 from isophote.lower.node import Node, Slot
 from isophote.scene.colour import Colour
 from isophote.scene.compound import Coated, Mix, Plastic
 from isophote.scene.gloss import AshikhminShirley, Blinn, OrenNayar, Phong, Ward
+from isophote.scene.image_texture import ImageTexture
 from isophote.scene.material import Glass, Matte, Mirror, Principled
 from isophote.scene.material_base import ColourParameter, Material, NumberParameter
 from isophote.scene.measured import Measured
 from isophote.scene.metal import Metal
-from isophote.scene.relief import NormalMap
+from isophote.scene.relief import Bump, NormalMap
 from isophote.scene.texture import Texture
 from isophote.scene.thin_glass import ThinGlass
 
@@ -199,6 +200,14 @@ def _(material: Principled) -> Node:
 @node_of.register
 def _(material: NormalMap) -> Node:
     return _turned(node_of(material.material), _normals(material.texture, material.scale))
+
+
+@node_of.register
+def _(material: Bump) -> Node:
+    height = material.height
+    width, rows = height.size if isinstance(height, ImageTexture) else (0, 0)
+    texels = (1 / width, 1 / rows) if width else (0.0, 0.0)
+    return _turned(node_of(material.material), Slot((material.scale, *texels), height, BUMP))
 
 
 def _normals(texture: Texture, scale: float) -> Slot:

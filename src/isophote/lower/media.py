@@ -11,6 +11,7 @@ from isophote.kernels.base.table import Packed
 from isophote.kernels.light.medium import MEDIA
 from isophote.scene.material import Glass
 from isophote.scene.material_base import Material
+from isophote.scene.relief import unturned
 
 __all__ = ["lower_media"]
 
@@ -25,8 +26,9 @@ def lower_media(materials: Sequence[Material]) -> Packed:
     numbers: dict[tuple[float, ...], int] = {}
     of_material = np.zeros(len(materials), np.int32)
     for k, material in enumerate(materials):
-        if isinstance(material, Glass):
-            medium = (material.ior, material.priority, *material.absorption)
+        glass = unturned(material)
+        if isinstance(glass, Glass):
+            medium = (glass.ior, glass.priority, *glass.absorption)
             of_material[k] = numbers.setdefault(medium, len(numbers) + 1)
     if len(numbers) > _MOST_MEDIA:
         raise SceneError(f"{len(numbers):,} kinds of glass are more than the {_MOST_MEDIA:,} that rays can tell apart")

@@ -85,4 +85,5 @@ def no_nodes(materials: int) -> dict[str, Any]:
         "opacity": 0,
         "pass_holes": 0,
         "shade_holes": 0,
+        "bump": 0,
     }

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from isophote.errors import SceneError
 from isophote.kernels.brdf.contract import MOST_SLOTS, NODE_WORDS
+from isophote.kernels.trace.turned_normal import BUMP
 from isophote.lower.node import SPAN, Cut, Node, Slot
 from isophote.scene.texture import Texture
 
@@ -44,6 +45,7 @@ class NodeTable:
             "data": np.concatenate(self._data),
             "cuts": np.array(opacities, np.int32),
             **_hole_entries(any(cuts)),
+            "bump": _bump() if any(slot.channel == BUMP for slot in self._slots) else 0,
         }
 
     def _add_slots(self, slots: Sequence[Slot]) -> int:
@@ -87,6 +89,13 @@ def _prepare() -> int:
     from isophote.kernels.trace.prepare import prepare
 
     return prepare.address
+
+
+def _bump() -> int:
+    # As in _prepare.
+    from isophote.kernels.trace.bump import bump_at
+
+    return bump_at.address
 
 
 def _hole_entries(wanted: bool) -> dict[str, int]:

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from isophote.kernels.base.table import Packed
 from isophote.rendering.tracer import Tracer
 from isophote.scene.material import Glass
+from isophote.scene.relief import unturned
 from isophote.scene.scene import Item, Scene
 
 __all__ = ["media_around", "packed_media"]
@@ -29,10 +30,11 @@ def media_around(scene: Scene, threads: int | None = None) -> tuple[Glass, ...]:
     along /= np.linalg.norm(along)
     around = []
     for item in scene.items:
-        if isinstance(item.material, Glass) and _may_hold(item, eye):
+        glass = unturned(item.material)
+        if isinstance(glass, Glass) and _may_hold(item, eye):
             hits = Tracer(item, threads=threads).closest(eye[None], along[None])
             if hits.hit[0] and float(hits.normal[0] @ along) > 0:
-                around.append((float(hits.distance[0]), item.material))
+                around.append((float(hits.distance[0]), glass))
     return tuple(glass for _, glass in sorted(around, key=lambda pair: -pair[0]))
 
 

@@ -14,7 +14,7 @@ from isophote.scene.material import Emitter, Glass, Mirror, Principled
 from isophote.scene.material_base import ColourParameter, Material, NumberParameter
 from isophote.scene.measured import Measured
 from isophote.scene.metal import Metal
-from isophote.scene.relief import NormalMap
+from isophote.scene.relief import Bump, NormalMap
 from isophote.scene.texture import Texture
 
 __all__ = ["nearest_principled"]
@@ -33,6 +33,8 @@ def nearest_principled(material: Material) -> Principled:
     if isinstance(material, NormalMap):
         base = nearest_principled(material.material)
         return attrs.evolve(base, normal_texture=material.texture, normal_scale=material.scale)
+    if isinstance(material, Bump):
+        return nearest_principled(material.material)
     if isinstance(material, Cutout):
         return _cut(material)
     if isinstance(material, Coated):

@@ -1,4 +1,4 @@
-"""Surfaces whose light falls as if they were turned: normal maps."""
+"""Surfaces whose light falls as if they were turned: normal maps and bumps."""
 
 from __future__ import annotations
 
@@ -10,20 +10,17 @@ from isophote.errors import SceneError
 from isophote.scene.compound import inner_material
 from isophote.scene.fields import as_number, finite, instance_of
 from isophote.scene.image_texture import ImageTexture
-from isophote.scene.material import Glass
 from isophote.scene.material_base import Material
 from isophote.scene.texture import Texture
 
-__all__ = ["NormalMap"]
+__all__ = ["Bump", "NormalMap", "unturned"]
 
 
 def _part(instance: Any, attribute: attrs.Attribute[Any], value: Any) -> None:
     inner_material(instance, attribute, value)
     kind = type(instance).__name__
-    if isinstance(value, Glass) and value.is_smooth:
-        raise SceneError(f"{kind}: smooth Glass cannot be turned; give it some roughness")
-    if isinstance(value, NormalMap):
-        raise SceneError(f"{kind}: {attribute.name} has a normal map already, and a surface has one")
+    if isinstance(value, NormalMap | Bump):
+        raise SceneError(f"{kind}: {attribute.name} is turned by a {type(value).__name__} already, and is turned once")
 
 
 def _directions(instance: Any, attribute: attrs.Attribute[Any], value: Any) -> None:
@@ -50,3 +47,23 @@ class NormalMap(Material):
     material: Material = attrs.field(validator=_part)
     texture: Texture = attrs.field(validator=_directions)
     scale: float = attrs.field(default=1.0, converter=as_number, validator=finite)
+
+
+@attrs.frozen
+class Bump(Material):
+    """Any material on a surface with bumps: light falls as if it rose by `scale` times the height, its shape stays.
+
+    `height` is a texture of any kind, whose first channel counts; `scale`, and so the heights, are in the shape's own
+    units. The normal is n − `scale` ∇h, with the gradient in the surface by differences: it takes no tangents, and with
+    textures of space no texture coordinates either (Blinn, "Simulation of Wrinkled Surfaces", SIGGRAPH 1978; Mikkelsen,
+    "Bump Mapping Unparametrized Surfaces on the GPU", 2010). Facets that look away are as with `NormalMap`.
+    """
+
+    material: Material = attrs.field(validator=_part)
+    height: Texture = attrs.field(validator=instance_of("a Texture", Texture))
+    scale: float = attrs.field(default=1.0, converter=as_number, validator=finite)
+
+
+def unturned(material: Material) -> Material:
+    """What a normal map or a bump lies on, or the material itself."""
+    return material.material if isinstance(material, NormalMap | Bump) else material

@@ -43,7 +43,8 @@ _ZERO, _HALF, _ONE = np.float32(0), np.float32(0.5), np.float32(1)
 # by, or 0 where none is, and 1 more than that which holds the normal that is seen, or 0 where it is the surface's;
 # `nodes` (m, 8) as in brdf/contract.py; `slot_values` (k, 3) and `slot_codes` (k, 2): a parameter's value and the
 # texture that multiplies it, or −1, with the channel that counts, or −1 for all three, or NORMAL_MAP where texels are
-# turned into a normal of the world; `data`: numbers of whatever kind, such as tables of measured reflectance.
+# turned into a normal of the world, or BUMP where heights are, by the entry `bump` of trace/bump.py; `data`: numbers of
+# whatever kind, such as tables of measured reflectance.
 #
 # `cuts` (n,): the slot of a surface's opacity, which its cut-off follows, or −1 where it is whole; `opacity`,
 # `pass_holes` and `shade_holes`: the entries of trace/hole_rays.py, or 0 where no material is cut out.
@@ -64,6 +65,7 @@ MATERIALS = Table(
     opacity=INT,
     pass_holes=INT,
     shade_holes=INT,
+    bump=INT,
 )
 
 

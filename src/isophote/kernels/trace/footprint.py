@@ -26,7 +26,7 @@ from isophote.kernels.primitive.layout import BALL, OWN_AT
 from isophote.kernels.texture import contract as texture
 from isophote.kernels.trace.tables import SCENE
 
-__all__ = ["curvature_at", "write_footprint"]
+__all__ = ["curvature_at", "write_footprint", "write_uv_axes"]
 
 _ZERO, _HALF, _ONE = np.float32(0), np.float32(0.5), np.float32(1)
 _FAR = np.float32(np.inf)
@@ -199,23 +199,29 @@ def _half_axes(direction, normal, radius):
 
 
 @device
+def write_uv_axes(scene, scratch, a, b):
+    """Write how texture coordinates change along `a` and `b`, small vectors in the tangent plane, as if these were the
+    half-axes of the footprint."""
+    slot, instance = np.int64(load_int(scratch, contract.HIT_SLOT)), np.int64(load_int(scratch, contract.HIT_INSTANCE))
+    if slot >= 0:
+        _write_triangle_uv(scene, slot, instance, scratch, a, b)
+    elif slot > _FIELD:
+        _write_primitive_uv(scene, slot, instance, scratch, a, b)
+
+
+@device
 def write_footprint(scene, scratch):
     """Write the half-axes of what the cone of half-width RADIUS covers of the surface in the scratch."""
     radius = scratch[contract.RADIUS]
     if not radius > _ZERO:
         return
-    slot = np.int64(load_int(scratch, contract.HIT_SLOT))
-    instance, item = np.int64(load_int(scratch, contract.HIT_INSTANCE)), np.int64(load_int(scratch, contract.ITEM))
-    normal = load_vec3(scratch, contract.OUTWARD)
+    item, normal = np.int64(load_int(scratch, contract.ITEM)), load_vec3(scratch, contract.OUTWARD)
     a, b = _half_axes(load_vec3(scratch, contract.DIRECTION), normal, radius)
     store_vec3(scratch, _PLACE + texture.WORLD_A, a)
     store_vec3(scratch, _PLACE + texture.WORLD_B, b)
     store_vec3(scratch, _PLACE + texture.OWN_A, affine_vector(scene.textures.to_own, item, a))
     store_vec3(scratch, _PLACE + texture.OWN_B, affine_vector(scene.textures.to_own, item, b))
-    if slot >= 0:
-        _write_triangle_uv(scene, slot, instance, scratch, a, b)
-    elif slot > _FIELD:
-        _write_primitive_uv(scene, slot, instance, scratch, a, b)
+    write_uv_axes(scene, scratch, a, b)
 
 
 @entry

@@ -11,14 +11,14 @@ from isophote.kernels.accel.field_layout import FIELD
 from isophote.kernels.accel.geometry import affine_vector
 from isophote.kernels.accel.layout import BLOCK, LANES
 from isophote.kernels.accel.surface import UVS
-from isophote.kernels.base.entry import entry, floats_at, opener_at
+from isophote.kernels.base.entry import call_entry, entry, floats_at, opener_at
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.simd import load_int
 from isophote.kernels.base.vec import cross, dot, load_vec3, normalise, orthonormal, store_vec3, vec3
 from isophote.kernels.brdf import contract
 from isophote.kernels.trace.tables import SCENE
 from isophote.kernels.trace.textured import slot_value, write_place
-from isophote.kernels.trace.turned_normal import NORMAL_MAP, normal_of_map
+from isophote.kernels.trace.turned_normal import BUMP, NORMAL_MAP, normal_of_map
 
 __all__ = ["prepare"]
 
@@ -120,10 +120,14 @@ def prepare(scene_words, scratch_address):
         write_place(scene, scratch)
     first = np.int64(scene.materials.spans[material, _FIRST])
     for k in range(scene.materials.spans[material, _COUNT]):
-        if scene.materials.slot_codes[first + k, _CHANNEL] == NORMAL_MAP:
+        channel = scene.materials.slot_codes[first + k, _CHANNEL]
+        if channel == NORMAL_MAP:
             value = normal_of_map(
                 scene, first + k, _along_u(scene, load_vec3(scratch, contract.OUTWARD), scratch), scratch
             )
+        elif channel == BUMP:
+            call_entry(scene.materials.bump, (scene_words, scratch_address, np.int64(first + k)))
+            value = load_vec3(scratch, contract.VALUE)
         else:
             value = slot_value(scene.materials, scene.textures, first + k, scratch)
         store_vec3(scratch, contract.PARAMETERS + 3 * k, value)

@@ -131,15 +131,15 @@ def _branch_glass(tables, plan, tree, wave, log, level, i, surface, hit, directi
 
 
 @device
-def _branch_any(tables, plan, tree, wave, log, level, i, surface, hit, direction, carried):
+def _branch_any(tables, plan, tree, wave, log, level, i, surface, hit, direction, boundary, carried):
     """The rays in all single directions that a material sends light to."""
-    inside = wave.longs[rows.INSIDE, i]
     material = np.int64(tables.surfaces.items[surface.item, MATERIAL])
     for k in range(tables.materials.branches[material]):
         into, weight = branch_material(tables, surface, k, wave.scratch)
         if maximum_component(weight) > _ZERO:
             back = dot(into, surface.normal) * dot(direction, surface.normal) < _ZERO
             kind = ray_log.REFLECTED if back else ray_log.PASSED
+            inside = wave.longs[rows.INSIDE, i] if back else boundary.inside
             cone, start = (
                 leaving_cone(tables, plan, wave, i, surface, hit, direction, into, _ZERO),
                 _start(surface, into),
@@ -189,7 +189,7 @@ def _meet_surface(tables, plan, tree, wave, log, level, i, lit):
     if goes_smoothly(tables, material, boundary):
         _branch_glass(tables, plan, tree, wave, log, level, i, surface, hit, direction, boundary, carried)
     else:
-        _branch_any(tables, plan, tree, wave, log, level, i, surface, hit, direction, carried)
+        _branch_any(tables, plan, tree, wave, log, level, i, surface, hit, direction, boundary, carried)
     if opacity < _ONE:
         _branch_through(tables, plan, tree, wave, log, level, i, surface, hit, direction, carried, opacity)
     return np.int64(scatters)

@@ -12,10 +12,11 @@ from isophote.kernels.base.vec import cross, dot, length, load_vec3, normalise, 
 from isophote.kernels.brdf import contract
 from isophote.kernels.texture import contract as texture
 
-__all__ = ["NORMAL_MAP", "normal_of_map"]
+__all__ = ["BUMP", "NORMAL_MAP", "normal_of_map", "upright"]
 
-# What stands for the channel in `Materials.slot_codes` where texels are tangent-space normals.
-NORMAL_MAP = 4
+# What stands for the channel in `Materials.slot_codes` where texels are tangent-space normals, and where they are
+# heights.
+NORMAL_MAP, BUMP = 4, 5
 
 _ZERO, _ONE = np.float32(0), np.float32(1)
 _PLACE = np.int64(contract.TEXTURE_PLACE)
@@ -96,7 +97,7 @@ def _frame(scene, along, shading, scratch):
 
 
 @device
-def _upright(normal, shading):
+def upright(normal, shading):
     """A unit normal that does not lean further than it may."""
     lean = dot(normal, shading)
     return normal if lean >= _LEAST else normalise(normal + shading * (_LEAST - lean))
@@ -115,4 +116,4 @@ def normal_of_map(scene, slot, along, scratch):
     tangent, bitangent, normal = _frame(scene, along, shading, scratch)
     turned = tangent * x + bitangent * y + normal * z
     size2 = dot(turned, turned)
-    return _upright(normalise(turned), shading) if size2 > _ZERO else shading
+    return upright(normalise(turned), shading) if size2 > _ZERO else shading
