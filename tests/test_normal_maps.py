@@ -49,7 +49,7 @@ _BASES = [
     iso.Principled("gold", metallic=1.0, roughness=0.4),
     iso.Mirror(),
     iso.Glass(roughness=0.4),
-    iso.Glass.tinted("green", at=0.5),
+    iso.Glass.tinted((0.5, 0.9, 0.5), at=0.5),
     iso.Ward("tomato", roughness=(0.2, 0.5)),
 ]
 

@@ -5,11 +5,14 @@ from __future__ import annotations
 import math
 
 import attrs
+import numpy as np
+import numpy.typing as npt
 
-from isophote.scene.colour import WHITE, Colour
+from isophote.scene.colour import WHITE, Colour, srgb_to_linear
 from isophote.scene.compound import Coated, Mix, Plastic
-from isophote.scene.cutout import Cutout
+from isophote.scene.cutout import ALPHA, Cutout, alpha_channel
 from isophote.scene.gloss import AshikhminShirley, Blinn, Phong, Ward
+from isophote.scene.image_texture import ImageTexture
 from isophote.scene.material import Emitter, Glass, Mirror, Principled
 from isophote.scene.material_base import ColourParameter, Material, NumberParameter
 from isophote.scene.measured import Measured
@@ -51,14 +54,41 @@ def nearest_principled(material: Material) -> Principled:
 
 
 def _cut(cutout: Cutout) -> Principled:
-    """The material with as much opacity as a number says, or the texture of its colour, where that is the one."""
+    """The material with the opacity that a number says, or in the fourth channel of the texture of its colour, where
+    both fit together."""
     whole = nearest_principled(cutout.material)
-    if isinstance(cutout.alpha, Texture):
-        opacity = 1.0
-        mode = cutout.mode if cutout.alpha == whole.colour_texture else "opaque"
-    else:
-        opacity, mode = cutout.alpha, cutout.mode
-    return attrs.evolve(whole, opacity=opacity, alpha_mode=mode, alpha_cutoff=cutout.cutoff)
+    if not isinstance(cutout.alpha, Texture):
+        return attrs.evolve(whole, opacity=cutout.alpha, alpha_mode=cutout.mode, alpha_cutoff=cutout.cutoff)
+    texture = _with_alpha(whole.colour_texture, cutout.alpha)
+    if texture is None:
+        return whole
+    return attrs.evolve(whole, colour_texture=texture, opacity=1.0, alpha_mode=cutout.mode, alpha_cutoff=cutout.cutoff)
+
+
+def _with_alpha(colour: Texture | None, alpha: Texture) -> ImageTexture | None:
+    """A picture of both, in 8 bits, or None where they are no pictures of one size."""
+    if alpha == colour and isinstance(alpha, ImageTexture) and alpha_channel(alpha) == ALPHA:
+        return alpha
+    if not isinstance(alpha, ImageTexture) or not isinstance(colour, ImageTexture | None):
+        return None
+    base = colour or attrs.evolve(
+        alpha, pixels=np.full((*alpha.pixels.shape[:2], 3), 255, np.uint8), colour_space="srgb"
+    )
+    if base.size != alpha.size or base.pixels.dtype != np.uint8:
+        return None
+    planes = base.pixels.reshape(*base.pixels.shape[:2], -1)
+    red_green_blue = np.broadcast_to(planes[..., :1], (*planes.shape[:2], 3)) if base.channels == 1 else planes[..., :3]
+    return attrs.evolve(base, pixels=np.concatenate([red_green_blue, _opacities(alpha)[..., None]], axis=2))
+
+
+def _opacities(alpha: ImageTexture) -> npt.NDArray[np.uint8]:
+    """(h, w): what a picture says of opacity, in 8 bits."""
+    channel = alpha_channel(alpha)
+    plane = alpha.pixels.reshape(*alpha.pixels.shape[:2], -1)[..., channel]
+    values = plane / 255 if plane.dtype == np.uint8 else plane
+    if channel != ALPHA and alpha.colour_space == "srgb":
+        values = srgb_to_linear(values)
+    return np.asarray(np.round(np.clip(values, 0, 1) * 255), np.uint8)
 
 
 def _colour(material: Material) -> ColourParameter:

@@ -85,8 +85,8 @@ class Mesh:
 
     `vertices` is (n, 3); `faces` an (m, k) array of vertex numbers or a sequence of lists of any length
     (3 or more). Nothing is merged, reordered or dropped. `attributes` maps a name to an `Attribute`
-    (the standard ones are "normal" (k, 3), "uv" (k, 2) and "colour" (k, 3 or 4), linear); `labels` maps
-    "material" or "group" to `FaceLabels`. A plain (n, d) array of attributes is one row for each vertex.
+    (the standard ones are "normal" (k, 3), "tangent" (k, 4), "uv" (k, 2) and "colour" (k, 3 or 4), linear); `labels`
+    maps "material" or "group" to `FaceLabels`. A plain (n, d) array of attributes is one row for each vertex.
 
     Raises `GeometryError` for non-finite coordinates, wrong shapes, faces out of range and no faces.
     """

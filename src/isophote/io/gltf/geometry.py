@@ -43,7 +43,7 @@ class UvMap:
 def read_primitive(document: Document, field: Field, uv_map: UvMap) -> Mesh | None:
     """The triangles of one primitive, or None, with an `IsophoteWarning`, where it has none.
 
-    Attributes "normal", "uv" (with v turned upward) and "colour" are per vertex, as stored. Raises
+    Attributes "normal", "tangent", "uv" (with v turned upward) and "colour" are per vertex, as stored. Raises
     `FileError` for data that do not fit.
     """
     mode = field.integer("mode", _TRIANGLES)
@@ -99,8 +99,15 @@ def _triangles(corners: Indices, mode: int) -> Indices:
 def _attributes(document: Document, field: Field, vertices: int, uv_map: UvMap) -> dict[str, Array]:
     found: dict[str, Array] = {}
     uv_name = f"TEXCOORD_{uv_map.set}"
-    for name, key, widths in (("normal", "NORMAL", (3,)), ("uv", uv_name, (2,)), ("colour", "COLOR_0", (3, 4))):
-        if key not in field:
+    wanted = (
+        ("normal", "NORMAL", (3,)),
+        ("tangent", "TANGENT", (4,)),
+        ("uv", uv_name, (2,)),
+        ("colour", "COLOR_0", (3, 4)),
+    )
+    for name, key, widths in wanted:
+        # Tangents count with normals alone.
+        if key not in field or (name == "tangent" and "normal" not in found):
             continue
         values = read_accessor(document, field.integer(key), widths=widths)
         if len(values) != vertices:

@@ -71,7 +71,17 @@ def _attribute(name: str, placed: Sequence[Placed]) -> Attribute:
 
 def _values(mesh: Mesh, name: str, matrix: Matrix) -> Array:
     values = mesh.attributes[name].values
+    if name == "tangent":
+        return _carried(values, matrix)
     return _turned(values, matrix) if name == "normal" else values
+
+
+def _carried(tangents: Array, matrix: Matrix) -> Array:
+    """Tangents in world space, of length 1; a matrix that mirrors turns the other axis around."""
+    along = tangents[:, :3] @ matrix[:3, :3].T
+    size = np.linalg.norm(along, axis=1, keepdims=True)
+    sign = tangents[:, 3:] * (-1.0 if np.linalg.det(matrix[:3, :3]) < 0 else 1.0)
+    return np.concatenate([along / np.where(size > 0, size, 1.0), sign], axis=1).astype(np.float32)
 
 
 def _turned(normals: Array, matrix: Matrix) -> Array:

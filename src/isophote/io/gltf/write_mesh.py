@@ -19,9 +19,9 @@ __all__ = ["MeshWriter"]
 
 Array: TypeAlias = npt.NDArray[Any]
 
-_NAMES = {"normal": "NORMAL", "uv": "TEXCOORD_0", "colour": "COLOR_0"}
-_WIDTHS = {"normal": (3,), "uv": (2,), "colour": (3, 4)}
-# What stands at the corners that have no value. There is no neutral normal.
+_NAMES = {"normal": "NORMAL", "tangent": "TANGENT", "uv": "TEXCOORD_0", "colour": "COLOR_0"}
+_WIDTHS = {"normal": (3,), "tangent": (4,), "uv": (2,), "colour": (3, 4)}
+# What stands at the corners that have no value. There is no neutral direction.
 _NEUTRAL = {"uv": 0.0, "colour": 1.0}
 
 
