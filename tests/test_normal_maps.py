@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import attrs
 import numpy as np
 import numpy.typing as npt
 import pytest
@@ -181,14 +182,16 @@ def test_a_real_model_with_a_normal_map() -> None:
     item = scene.items[0]
     assert isinstance(item.material, iso.Principled)
     assert item.material.normal_texture is not None
-    flat = item.with_(material=iso.Matte())
+    # Its relief is fine, and means of it over pixels finer still.
+    item = item.with_(material=attrs.evolve(item.material, normal_scale=20.0))
+    scene, flat = scene.with_(items=[item]), item.with_(material=iso.Matte())
     camera = iso.studio(scene).camera
     with_map = iso.render(iso.studio(scene.with_(camera=camera)), iso.RayTrace(), size=(64, 48)).channels["normal"]
     without = iso.render(iso.studio(iso.Scene([flat], camera=camera)), iso.RayTrace(), size=(64, 48)).channels["normal"]
     there = np.isfinite(without).all(axis=2) & (np.abs(without).sum(axis=2) > 0)
     lean = (with_map * without).sum(axis=2)[there]
-    assert lean.min() < 0.999
-    assert lean.mean() > 0.999
+    assert lean.min() < 0.99
+    assert lean.mean() > 0.9
     np.testing.assert_allclose(np.linalg.norm(with_map[there], axis=1), 1, atol=1e-5)
 
 
