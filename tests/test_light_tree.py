@@ -194,7 +194,7 @@ def test_pictures_are_the_same_in_the_mean_as_without_the_tree(name, monkeypatch
         pixels[2, 5] = 20
         lights = [*lights, iso.Sun((1, 3, 2), 1.0), iso.Environment(iso.ImageTexture(pixels))]
     camera = iso.Camera((0, 3, 5), (0, 0.3, 0))
-    settings = {"camera": camera, "size": (24, 18), "samples": 256, "max_depth": 4}
+    settings = {"camera": camera, "size": (24, 18), "samples": 128, "max_depth": 4}
     tree = render(items, lights, **settings, seed=1)
     by_power(monkeypatch)
     power = render(items, lights, **settings, seed=2)
