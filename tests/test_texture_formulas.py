@@ -235,3 +235,29 @@ def _constant(scene: iso.Scene) -> iso.Scene:
 
 def test_reflectance_is_plotted_with_a_texture() -> None:
     assert iso.brdf_plot(iso.Plastic(iso.Checker(0.2, 0.8), roughness=iso.PerlinNoise())) is not None
+
+
+@pytest.mark.parametrize(
+    "texture",
+    [iso.Fbm(), iso.Marble(size=2, turbulence=0.8), iso.Ramp(iso.WorleyNoise(feature="f2-f1"), [(0, 0.0), (0.2, 1.0)])],
+    ids=lambda texture: type(texture).__name__,
+)
+def test_long_footprints_are_cut_into_short_ones(texture: iso.Texture) -> None:
+    """Means over long ones come nearer to means of many places than what is seen at their middles does."""
+    axes = np.array([[0.06, 0, 0], [0, 0.0, 1.2]])
+    steps = RNG.uniform(-1, 1, (400, 2))
+    own = PLACES[:150].astype(np.float64)
+    means = colours(texture, (own[:, None] + steps @ axes).reshape(-1, 3)).reshape(150, 400, 3).mean(axis=1)
+    found, sharp = colours(texture, own, own_axes=axes), colours(texture, own)
+    wide = colours(texture, own, own_axes=np.array([[1.2, 0, 0], [0, 0, 1.2]]))
+    error = np.sqrt(((found - means) ** 2).mean())
+    assert error < 0.4 * np.sqrt(((sharp - means) ** 2).mean())
+    assert error < 0.7 * np.sqrt(((wide - means) ** 2).mean())
+
+
+def test_records_are_put_back_by_what_changes_them() -> None:
+    """A second part of a mixture is asked where the first was."""
+    axes = np.array([[0.05, 0, 0], [0, 0, 0.9]])
+    part = iso.Ramp(iso.PerlinNoise(space="world", transform=TURN), ["red", "blue"])
+    both = iso.Blend(part, iso.Blend(part, part, 0.5), 0.5)
+    np.testing.assert_allclose(colours(both, own_axes=axes), colours(part, own_axes=axes), atol=1e-6)

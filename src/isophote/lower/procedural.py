@@ -14,9 +14,11 @@ from isophote.kernels.base.table import Packed
 from isophote.kernels.texture import combine, fractal, periodic, worley
 from isophote.kernels.texture.perlin import perlin
 from isophote.kernels.texture.simplex import simplex
+from isophote.kernels.texture.spread import spread
 from isophote.kernels.texture.value_noise import value_noise
 from isophote.scene.colour import Colour
 from isophote.scene.formula import FieldTexture, Formula
+from isophote.scene.image_texture import ImageTexture
 from isophote.scene.noise import Fbm, Noise, PerlinNoise, SimplexNoise, ValueNoise, WorleyNoise
 from isophote.scene.patterns import CheckerNumber, Coordinate, GridNumber, Waves
 from isophote.scene.procedural import Composed, Procedural
@@ -24,7 +26,7 @@ from isophote.scene.ramps import Blend, Placed, Ramp
 from isophote.scene.texture import Texture
 from isophote.scene.transform import Transform
 
-__all__ = ["Constant", "TextureNode", "node_of"]
+__all__ = ["Constant", "TextureNode", "node_of", "spread_out"]
 
 _SPACES = {"own": combine.OF_OWN, "uv": combine.OF_UV, "world": combine.OF_WORLD}
 _BETWEEN = {"linear": combine.LINEAR, "smooth": combine.SMOOTH, "constant": combine.CONSTANT}
@@ -81,6 +83,35 @@ class Constant(Texture):
     """One colour, where a child may be any texture."""
 
     colour: Colour
+
+
+@attrs.frozen
+class _Spread(Texture):
+    """A texture whose long footprints are cut."""
+
+    texture: Texture
+
+
+# Kinds that average over a footprint themselves, if what they are made of does.
+_AVERAGED = (CheckerNumber, Constant, FieldTexture, Formula, GridNumber, ImageTexture)
+
+
+def spread_out(texture: Texture) -> Texture:
+    """A texture so that it is seen as it should be where footprints are long."""
+    return texture if _is_averaged(texture) else _Spread(texture)
+
+
+def _is_averaged(texture: Texture) -> bool:
+    if isinstance(texture, Composed):
+        return _is_averaged(texture.composed())
+    if isinstance(texture, Placed):
+        return _is_averaged(texture.texture)
+    if isinstance(texture, Blend):
+        parts = (texture.a, texture.b, texture.amount)
+        return all(_is_averaged(part) for part in parts if isinstance(part, Texture))
+    if isinstance(texture, Waves):
+        return texture.distortion is None and texture.shape == "linear"
+    return isinstance(texture, _AVERAGED)
 
 
 def _child(value: Colour | Texture) -> Texture:
@@ -197,6 +228,7 @@ _DESCRIBE: dict[type, Callable[[Any], TextureNode]] = {
     Ramp: _ramp,
     SimplexNoise: _noise,
     ValueNoise: _noise,
+    _Spread: lambda texture: TextureNode(spread, children=(texture.texture,)),
     Waves: _waves,
     WorleyNoise: _worley,
 }

@@ -38,7 +38,12 @@ class TextureTable:
         self._pictures = PictureTable()
 
     def number(self, texture: Texture) -> int:
-        """The node of a texture."""
+        """The node of a texture: by itself, or, while another is described, as a part of that."""
+        if self._depth == 0 and not isinstance(texture, ImageTexture):
+            # As in _picture_entry.
+            from isophote.lower.procedural import spread_out
+
+            texture = spread_out(texture)
         if texture not in self._numbers:
             self._numbers[texture] = self._add(texture)
         return self._numbers[texture]
