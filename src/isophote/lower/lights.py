@@ -15,6 +15,7 @@ from isophote.kernels.light import emitter
 from isophote.kernels.light.emitter import LIGHTS
 from isophote.kernels.light.environment import ENVIRONMENT
 from isophote.lower.light_tree import FEWEST, is_local, no_light_tree, plant
+from isophote.lower.painted_lights import Paint, corner_uvs, mean_luminance, paint_fields, paint_rows
 from isophote.scene.colour import srgb_to_linear
 from isophote.scene.light import (
     DiskLight,
@@ -65,6 +66,8 @@ class LightTable:
         self._constant = np.zeros(3)
         self._picture: Environment | None = None
         self._of_items: list[int] = []
+        # By the first light's number: the material, and a row for each light.
+        self._painted: dict[int, tuple[int, Points]] = {}
         self._picture_number = -1
 
     def _add(self, kind: int, power: npt.ArrayLike, number: int = -1, **fields: Any) -> int:
@@ -88,16 +91,33 @@ class LightTable:
         return first
 
     def add_mesh(
-        self, mesh: Mesh, matrix: Points, radiance: Colour, two_sided: bool, number: int = -1
+        self,
+        mesh: Mesh,
+        matrix: Points,
+        radiance: Colour,
+        two_sided: bool,
+        number: int = -1,
+        paint: Paint | None = None,
     ) -> npt.NDArray[np.int32]:
         """The lights that a shining mesh is made of, `number` being that of the mesh for the user; for each of its
         triangles, the number of its light.
 
-        A face that is a parallelogram is one light, any other one light a triangle; -1 where there is no area.
+        A face that is a parallelogram is one light, any other one light a triangle, and so are all that have `paint`;
+        -1 where there is no area.
         """
         cut = triangulate(mesh)
         points = mesh.vertices @ matrix[:3, :3].T + matrix[:3, 3]
         sign = -1.0 if np.linalg.det(matrix[:3, :3]) < 0 else 1.0
+        if paint is not None:
+            numbers = self._flat(points[cut.triangles], 0.5, sign, radiance, two_sided, number)
+            self._paint(
+                numbers,
+                paint,
+                points[cut.triangles],
+                corner_uvs(mesh, cut.corners),
+                np.asarray(np.linalg.inv(matrix), np.float64),
+            )
+            return numbers.astype(np.int32)
         faces, corners = _parallelograms(mesh, points)
         of_face = np.full(mesh.face_count, -1, np.int64)
         of_face[faces] = self._flat(corners, 1.0, sign, radiance, two_sided, number)
@@ -107,6 +127,14 @@ class LightTable:
         numbers = of_face[cut.face]
         numbers[alone] = self._flat(points[cut.triangles[alone]], 0.5, sign, radiance, two_sided, number)
         return numbers.astype(np.int32)
+
+    def _paint(
+        self, numbers: npt.NDArray[np.int64], paint: Paint, corners: Points, uvs: Points, to_own: Points
+    ) -> None:
+        """Let a texture vary the triangles that were added last."""
+        real = numbers >= 0
+        self._power[-1] = self._power[-1] * mean_luminance(paint.texture, corners[real], uvs[real], to_own)
+        self._painted[self._count - int(real.sum())] = paint.material, paint_rows(uvs[real], to_own)
 
     def _flat(
         self, corners: Points, part: float, sign: float, radiance: Colour, two_sided: bool, number: int
@@ -245,6 +273,7 @@ class LightTable:
             groups=groups,
             shares=shares,
             environment=environment,
+            **paint_fields(self._painted, self._count),
         )
 
 

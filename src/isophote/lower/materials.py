@@ -20,7 +20,7 @@ from isophote.scene.nearest import nearest_principled
 from isophote.scene.relief import NormalMap
 from isophote.scene.texture import Texture
 
-__all__ = ["MaterialTable", "aimed_emission_of", "emission_of", "is_linked", "is_mapped"]
+__all__ = ["MaterialTable", "aimed_emission_of", "emission_of", "emission_texture_of", "is_linked", "is_mapped"]
 
 Floats: TypeAlias = npt.NDArray[np.float32]
 
@@ -40,6 +40,7 @@ class _Row(NamedTuple):
     branches: int = 0
     node: Node | None = None
     cut: Cut | None = None
+    emission_texture: Texture | None = None
 
 
 def _row(material: Material) -> _Row:
@@ -48,7 +49,8 @@ def _row(material: Material) -> _Row:
         return _row(material.material)._replace(cut=_cut(material))
     if isinstance(material, Emitter):
         body = _Row(bsdf.BLACK) if material.body is None else _row(material.body)
-        return body._replace(emission=material.radiance, two_sided=material.two_sided)
+        shining = body._replace(emission=material.radiance, two_sided=material.two_sided)
+        return shining._replace(emission_texture=material.texture)
     if isinstance(material, Matte):
         return _shown(bsdf.MATTE, material.colour)
     if isinstance(material, Mirror):
@@ -73,6 +75,7 @@ def _linked(material: Material) -> _Row:
         two_sided=isinstance(material, Principled) and material.two_sided,
         branches=node.branches,
         node=node,
+        emission_texture=material.emission_texture if isinstance(material, Principled) else None,
         cut=_cut_of_principled(material) if isinstance(material, Principled) else None,
     )
 
@@ -106,6 +109,11 @@ def aimed_emission_of(material: Material) -> tuple[tuple[float, float, float], b
     aims does not know of holes."""
     row = _row(material)
     return (row.emission, row.two_sided) if row.cut is None else (_BLACK, False)
+
+
+def emission_texture_of(material: Material) -> Texture | None:
+    """The texture that multiplies what a material emits."""
+    return _row(material).emission_texture
 
 
 def is_mapped(material: Material) -> bool:
@@ -144,6 +152,7 @@ class MaterialTable:
         items (kernels/texture/contract.py). Raises `SceneError` where a material has too many parts."""
         rows = [_linked(material) if self._all_linked else _row(material) for material in self._numbers]
         textures = [-1 if row.texture is None else self._textures.number(row.texture) for row in rows]
+        shining = [-1 if row.emission_texture is None else self._textures.number(row.emission_texture) for row in rows]
         values = [(*row.colour, *row.emission, row.ior, float(row.two_sided)) for row in rows]
         scatters = [
             row.kind == bsdf.MATTE if row.node is None else row.node.scatters * (1 + row.node.through) for row in rows
@@ -151,6 +160,7 @@ class MaterialTable:
         materials = MATERIALS.pack(
             kinds=np.array([row.kind for row in rows], np.int32),
             textures=np.array(textures, np.int32),
+            emission_textures=np.array(shining, np.int32),
             values=np.array(values, np.float32).reshape(-1, 8),
             scatters=np.array(scatters, np.int32),
             branches=np.array([row.branches for row in rows], np.int32),

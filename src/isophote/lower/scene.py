@@ -17,9 +17,10 @@ from isophote.lower.geometry import Part, lower_geometry
 from isophote.lower.lamps import lamp_primitive, many_lamps
 from isophote.lower.latest import Latest
 from isophote.lower.lights import LightTable, rectangle_mesh
-from isophote.lower.materials import MaterialTable, aimed_emission_of, is_mapped
+from isophote.lower.materials import MaterialTable, aimed_emission_of, emission_texture_of, is_mapped
 from isophote.lower.media import lower_media
 from isophote.lower.own_space import own_spaces
+from isophote.lower.painted_lights import Paint
 from isophote.lower.primitive_table import PrimitivePart, no_primitives, primitive_of
 from isophote.scene.light import DiskLight, RectLight
 from isophote.scene.material import Emitter
@@ -160,7 +161,10 @@ def parts_of(scene: Scene, marched: bool = False, moving: Set[int] = frozenset()
         matrix, material = item.transform.matrix, parts.materials.number(item.material)
         if isinstance(item.shape, Mesh):
             radiance, two_sided = aimed_emission_of(item.material)
-            own = parts.lights.add_mesh(item.shape, matrix, radiance, two_sided, number) if max(radiance) > 0 else None
+            own, texture = None, emission_texture_of(item.material)
+            if max(radiance) > 0:
+                paint = None if texture is None else Paint(texture, material)
+                own = parts.lights.add_mesh(item.shape, matrix, radiance, two_sided, number, paint)
             parts.meshes.append(
                 Part(item.shape, matrix, material, number, own, number in moving, is_mapped(item.material))
             )
@@ -189,10 +193,11 @@ def _with_lamps(parts: Parts, scene: Scene) -> Parts:
 
 
 def _primitive_part(parts: Parts, shown: Material, placed: Primitive, number: int) -> PrimitivePart:
-    """A primitive where it stands. Those that shine are aimed at where they are spheres or disks; others are met by
-    chance."""
+    """A primitive where it stands. Those that shine are aimed at where they are spheres or disks without a texture;
+    others are met by chance."""
     radiance, two_sided = aimed_emission_of(shown)
-    light = parts.lights.add_primitive(placed, radiance, two_sided, number) if max(radiance) > 0 else -1
+    aimed = max(radiance) > 0 and emission_texture_of(shown) is None
+    light = parts.lights.add_primitive(placed, radiance, two_sided, number) if aimed else -1
     return PrimitivePart(placed, parts.materials.number(shown), number, light)
 
 

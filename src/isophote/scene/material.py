@@ -103,12 +103,14 @@ class Glass(Material):
 class Emitter(Material):
     """Shines with `radiance`, W/(m² sr) in each channel, evenly to all sides, and reflects as `body` does.
 
-    It shines on the side of the normal; with `two_sided` on both. Without a `body` it reflects nothing.
+    It shines on the side of the normal; with `two_sided` on both. Without a `body` it reflects nothing. A `texture`
+    multiplies the radiance.
     """
 
     radiance: Colour = attrs.field(converter=as_colour)
     two_sided: bool = attrs.field(default=False, converter=as_flag)
     body: Material | None = attrs.field(default=None)
+    texture: Texture | None = attrs.field(default=None, kw_only=True, validator=_texture)
 
     @body.validator
     def _check_body(self, attribute: attrs.Attribute[Material | None], value: object) -> None:

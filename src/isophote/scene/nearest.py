@@ -32,7 +32,8 @@ def nearest_principled(material: Material) -> Principled:
     if isinstance(material, Emitter):
         black = Principled(0.0, roughness=1.0)
         body = black if material.body is None else nearest_principled(material.body)
-        return attrs.evolve(body, emission=material.radiance, two_sided=material.two_sided)
+        shining = attrs.evolve(body, emission=material.radiance, two_sided=material.two_sided)
+        return attrs.evolve(shining, emission_texture=material.texture)
     if isinstance(material, NormalMap):
         base = nearest_principled(material.material)
         return attrs.evolve(base, normal_texture=material.texture, normal_scale=material.scale)

@@ -177,7 +177,7 @@ def _as_written(field: Field, principled: Principled) -> Material | None:
     if kind == "Mirror":
         return Mirror(principled.colour)
     if kind == "Emitter":
-        return Emitter(principled.emission, principled.two_sided)
+        return Emitter(principled.emission, principled.two_sided, texture=principled.emission_texture)
     return None
 
 

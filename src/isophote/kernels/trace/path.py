@@ -35,6 +35,7 @@ from isophote.kernels.trace.cone import carry_cone, cone_radius
 from isophote.kernels.trace.direct import is_surface, surface_of
 from isophote.kernels.trace.holes import has_holes
 from isophote.kernels.trace.material import evaluate_linked, lit_side, prepare_linked, sample_linked
+from isophote.kernels.trace.painted_lights import tint_of_light
 from isophote.kernels.trace.pick import chance_of_light, pick_for
 from isophote.kernels.trace.samples import FIRST, Tile, develop, draw, start_paths
 from isophote.kernels.trace.shading import mirror_ray, scatter_glass_ray, seen_normal, surface_colour, surface_emission
@@ -104,9 +105,11 @@ def _sky(tables, direction, scattered):
 
 
 @device
-def _emitted(tables, wave, i, surface, origin, direction, scattered):
+def _emitted(tables, wave, i, met, origin, scattered):
     """Radiance that a surface emits along the ray that met it, weighted."""
-    emitted, two_sided = surface_emission(tables, surface)
+    surface, hit, direction = met
+    radius = cone_radius(wave, i, hit.t)
+    emitted, two_sided = surface_emission(tables, surface, hit, direction, radius, wave.scratch)
     if maximum_component(emitted) <= _ZERO:
         return emitted
     if not two_sided and dot(direction, surface.normal) >= _ZERO:
@@ -146,6 +149,7 @@ def _aim(tables, wave, i, at, kind, surface, boundary, shading, out, colour, car
     p = chance * sample.density
     weight = p / (p * p + q * q) if p > _ZERO else _ONE / chance
     light = carried * value * vec3(sample.red, sample.green, sample.blue) * weight
+    light = light * tint_of_light(tables, k, surface.place + direction * sample.distance, wave.scratch)
     # Light that nothing blocks comes through one medium all the way.
     medium = medium_towards(boundary, surface.normal, row_vec3(floats, rows.DIRECTION, i), direction)
     if medium != 0:
@@ -242,7 +246,7 @@ def _shade(tables, plan, wave, count, depth):
         kind = tables.materials.kinds[material]
         boundary = surface_boundary(tables.media, material, inside, dot(direction, surface.normal) < _ZERO)
         carried = carried * attenuation(tables.media, boundary.before, hit.t)
-        emitted = _emitted(tables, wave, i, surface, origin, direction, scattered)
+        emitted = _emitted(tables, wave, i, (surface, hit, direction), origin, scattered)
         if maximum_component(emitted) > _ZERO:
             add_radiance(wave, owner, carried * emitted)
         if depth == plan.max_depth or kind == BLACK:

@@ -26,6 +26,7 @@ from isophote.kernels.trace.boundary import set_relative_index
 from isophote.kernels.trace.cone import cone_radius
 from isophote.kernels.trace.holes import share_left
 from isophote.kernels.trace.material import evaluate_material, prepare_material
+from isophote.kernels.trace.painted_lights import tint_of_light
 from isophote.kernels.trace.ray_log import log_light, log_visible
 from isophote.kernels.trace.samples import FIRST
 from isophote.kernels.trace.shadow_tint import DIRECTION, END, LEFT
@@ -157,6 +158,7 @@ def _aim(tables, tree, wave, log, at, h, first, surface, job):
     medium = medium_towards(boundary, surface.normal, direction, into)
     # Tinted shadow rays tell the media themselves.
     arriving = _arriving(tables, row, sample, medium if tree.tint == 0 else _AIR)
+    arriving = arriving * tint_of_light(tables, row, surface.place + into * sample.distance, wave.scratch)
     through = dot(surface.normal, into) * dot(surface.normal, direction) > _ZERO
     tree.rays[ray_tree.SHADOW_INSIDE, at] = boundary.inside if through else wave.longs[rows.INSIDE, i]
     value, _ = evaluate_material(tables, surface, into, wave.scratch)

@@ -66,8 +66,8 @@ def _meet_light(tables, tree, wave, log, i):
 
 
 @device
-def _emitted(tables, surface, direction):
-    emitted, two_sided = surface_emission(tables, surface)
+def _emitted(tables, surface, hit, direction, radius, scratch):
+    emitted, two_sided = surface_emission(tables, surface, hit, direction, radius, scratch)
     if two_sided or dot(direction, surface.normal) < _ZERO:
         return emitted
     return vec3(_ZERO, _ZERO, _ZERO)
@@ -176,7 +176,7 @@ def _meet_surface(tables, plan, tree, wave, log, level, i, lit):
     prepare_surface(tables, surface, boundary, hit, direction, radius, wave.scratch)
     tint = attenuation(tables.media, boundary.before, t) * opacity
     carried = row_vec3(floats, rows.CARRIED, i) * tint
-    emitted, ambient = _emitted(tables, surface, direction), vec3(_ZERO, _ZERO, _ZERO)
+    emitted, ambient = _emitted(tables, surface, hit, direction, radius, wave.scratch), vec3(_ZERO, _ZERO, _ZERO)
     scatters = tables.materials.scatters[material] != 0 and not goes_smoothly(tables, material, boundary)
     if scatters:
         remember_surface(tree, lit, i, surface, boundary, carried)

@@ -37,16 +37,20 @@ def write_surface(scene, surface, hit, direction, radius, scratch):
 
 
 @device
+def _texture_colour(scene, surface, hit, direction, radius, scratch, node):
+    write_surface(scene, surface, hit, direction, radius, scratch)
+    call_entry(scene.textures.colour, (table_address(scene), element_address(scratch, _START), node))
+    return load_vec3(scratch, contract.VALUE)
+
+
+@device
 def surface_colour(scene, surface, hit, direction, radius, scratch):
     """The material's colour at a surface, texture included."""
     material = np.int64(scene.surfaces.items[surface.item, MATERIAL])
     values = scene.materials.values
     colour = vec3(values[material, 0], values[material, 1], values[material, 2])
-    if scene.materials.textures[material] < 0:
-        return colour
-    write_surface(scene, surface, hit, direction, radius, scratch)
-    call_entry(scene.textures.colour, (table_address(scene), element_address(scratch, _START)))
-    return colour * load_vec3(scratch, contract.VALUE)
+    node = np.int64(scene.materials.textures[material])
+    return colour if node < 0 else colour * _texture_colour(scene, surface, hit, direction, radius, scratch, node)
 
 
 @device
@@ -81,8 +85,12 @@ def scatter_glass_ray(surface, direction, ior, u):
 
 
 @device
-def surface_emission(scene, surface):
-    """(radiance that the material emits, whether from both sides)."""
+def surface_emission(scene, surface, hit, direction, radius, scratch):
+    """(radiance that the material emits, texture included, whether from both sides)."""
     material = np.int64(scene.surfaces.items[surface.item, MATERIAL])
     values = scene.materials.values
-    return vec3(values[material, 3], values[material, 4], values[material, 5]), values[material, 7] != 0
+    emitted, two_sided = vec3(values[material, 3], values[material, 4], values[material, 5]), values[material, 7] != 0
+    node = np.int64(scene.materials.emission_textures[material])
+    if node >= 0:
+        emitted = emitted * _texture_colour(scene, surface, hit, direction, radius, scratch, node)
+    return emitted, two_sided

@@ -255,7 +255,7 @@ def _surfaces(scene, picture, active, x0, y0):
         width, spread = pixel_cone(scene.camera, direction, _ONE_SAMPLE)
         radius = width + hit.t * spread
         colour = surface_colour(scene, surface, hit, direction, radius, picture.scratch)
-        emitted, two_sided = surface_emission(scene, surface)
+        emitted, two_sided = surface_emission(scene, surface, hit, direction, radius, picture.scratch)
         shines = two_sided or dot(direction, surface.normal) < _ZERO
         set_lane_vec3(pixels, pixel.GATHERED, lane, emitted if shines else vec3(_ZERO, _ZERO, _ZERO))
         set_lane_vec3(pixels, pixel.PLACE, lane, surface.place)

@@ -54,11 +54,10 @@ def slot_value(materials, textures, slot, scratch):
 
 
 @entry
-def colour_at(scene_words, scratch_address):
-    """Leave in VALUE what the texture of the material's colour says."""
+def colour_at(scene_words, scratch_address, node):
+    """Leave in VALUE what a texture, a node, says of the surface in the scratch."""
     scene, scratch = _scene_at(scene_words), floats_at(scratch_address, _WORDS)
     write_place(scene, scratch)
-    node = np.int64(scene.materials.textures[np.int64(load_int(scratch, contract.MATERIAL))])
     colour, _ = texture.look_up(scene.textures, node, scratch, _PLACE)
     store_vec3(scratch, contract.VALUE, colour)
     return 0
