@@ -10,11 +10,10 @@ import numpy.typing as npt
 
 from isophote.errors import SceneError
 from isophote.scene.camera import Camera
-from isophote.scene.cutout import Cutout
 from isophote.scene.fields import VectorLike
 from isophote.scene.light import Light, RectLight, Sky
-from isophote.scene.material import Emitter, Matte
-from isophote.scene.material_base import Material
+from isophote.scene.material import Emitter, Matte, Principled
+from isophote.scene.material_base import Material, parts_of
 from isophote.scene.scene import Item, Scene, Shape, is_shape
 from isophote.scene.transform import unit_vector
 from isophote.shapes.mesh import Mesh
@@ -134,4 +133,7 @@ def _ground(bounds: npt.NDArray[np.float64]) -> Item:
 
 
 def _shines(material: Material) -> bool:
-    return isinstance(material.material if isinstance(material, Cutout) else material, Emitter)
+    return any(
+        isinstance(part, Emitter) or (isinstance(part, Principled) and max(part.emission) > 0)
+        for part in parts_of(material)
+    )

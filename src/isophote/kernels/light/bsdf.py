@@ -33,10 +33,10 @@ MATTE, MIRROR, GLASS, BLACK, LINKED = 0, 1, 2, 3, 4
 _ZERO, _HALF, _ONE = np.float32(0), np.float32(0.5), np.float32(1)
 
 
-# `kinds` (n,); `textures`, `emission_textures` (n,): what multiplies the colour and what is emitted, or −1; `values` (n,
-# 8): colour, emitted radiance, index of refraction, 1 where both sides emit. `scatters` (n,): 1 where light from any
-# direction is scattered to others, so that lights can be aimed at, 2 where some goes through the surface; `branches`
-# (n,): the number of single directions that light is sent to.
+# `kinds` (n,); `textures`, `emission_textures` (n,): what multiplies the colour and what is emitted, or −1; `values`
+# (n, 8): colour, emitted radiance, index of refraction, 1 where both sides emit. `scatters` (n,): 1 where light from
+# any direction is scattered to others, so that lights can be aimed at, 2 where some goes through the surface;
+# `branches` (n,): the number of single directions that light is sent to.
 #
 # Of LINKED kinds: `prepare`, the entry of trace/prepare.py; `spans` (n, 6): root node, first slot, number of slots, 1
 # where the tangent matters, which of the slots is the first of two whose sum is what ambient light is multiplied

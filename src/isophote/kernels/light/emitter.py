@@ -62,9 +62,9 @@ _FAR, _ONE_BELOW = np.float32(np.inf), np.float32(1 - 2.0**-24)
 # which rays meet without a tree; `numbers` (n,): the user's number of each light.
 # `groups` (m, 4): the rows that are one light to the user, as first and count, 1 where that has a size, and its number;
 # `shares` (n,): where a row's part begins within its group, in proportion to power, from 0 to 1.
-# `painted` (n,), or empty where no texture varies a light: the row of `paint` (p, 18), or −1: texture coordinates at the
-# first corner and along both edges, and the affine map to the shape's own space; `paint_materials` (p,): the material
-# that has the texture; `tint`: the entry of trace/painted_lights.py.
+# `painted` (n,), or empty where no texture varies a light: the row of `paint` (p, 18), or −1: texture coordinates at
+# the first corner and along both edges, and the affine map to the shape's own space; `paint_materials` (p,): the
+# material that has the texture; `tint`: the entry of trace/painted_lights.py.
 LIGHTS = Table(
     "Lights",
     kinds=INTS,
