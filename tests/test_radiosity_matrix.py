@@ -161,3 +161,14 @@ def test_too_many_form_factors_are_refused_before_any_is_made() -> None:
     for settings in ({"method": "magic"}, {"form_factors": "guess"}, {"directions": 0}):
         with pytest.raises(RenderError):
             iso.Radiosity(**settings)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("patch", [1e-3, 1e-9])
+def test_what_memory_cannot_hold_is_told_in_few_digits(patch: float) -> None:
+    with pytest.raises(RenderError) as caught:
+        iso.radiosity(
+            iso.Scene(room(), lights=[lamp()]), iso.Radiosity(patch=patch, method="gathering"), progress=False
+        )
+    words = str(caught.value)
+    assert " MB; at most 50,000,000 may be kept" in words
+    assert max(len(word) for word in words.split()) < 30

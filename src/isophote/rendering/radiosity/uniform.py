@@ -23,6 +23,8 @@ Points: TypeAlias = npt.NDArray[np.float64]
 Numbers: TypeAlias = npt.NDArray[np.int64]
 
 _MOST_BYTES = 2**31
+# From here on a number is told by its first digits.
+_MOST_DIGITS = 1e9
 _MOST_BOUNCES = 1000
 # Shots a patch after which light that does not settle is given up.
 _MOST_SHOTS = 200
@@ -61,11 +63,17 @@ def check_count(faces: Faces, patch: float, most: int) -> int:
     levels = np.ceil(np.log2(np.maximum(edges / (patch * _ROUNDING), 1.0)))
     count = float((4.0**levels).sum())
     if count**2 > most or 4 * count**2 > _MOST_BYTES:
+        size = _told(4 * count**2 / 2**20)
         raise RenderError(
-            f"Radiosity: {count:,.0f} patches have {count**2:.2g} form factors, some {4 * count**2 / 2**20:,.0f} MB; "
-            f"at most {min(most, _MOST_BYTES // 4):,} may be kept; give larger patches, or method='hierarchical'"
+            f"Radiosity: {_told(count)} patches have {_told(count**2)} form factors, some {size} MB; at most "
+            f"{min(most, _MOST_BYTES // 4):,} may be kept; give larger patches, or method='hierarchical'"
         )
     return int(count)
+
+
+def _told(number: float) -> str:
+    """A number with all its digits while they are few."""
+    return f"{number:,.0f}" if number < _MOST_DIGITS else f"{number:.2g}"
 
 
 def cut_evenly(tree: PatchTree, patch: float) -> None:
