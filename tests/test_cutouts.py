@@ -164,6 +164,28 @@ def test_a_principled_material_is_cut_as_its_mode_says() -> None:
     assert middle(alpha_mode="mask", alpha_cutoff=0.4) == pytest.approx(0.0, abs=1e-6)
 
 
+def test_holes_are_the_same_for_any_threads_and_accelerator() -> None:
+    gauze = iso.Item(_card(0), iso.Cutout(iso.Matte("tomato"), 0.4))
+    scene = iso.Scene([gauze, _WALL], _LIGHTS, _CAMERA)
+    methods = [iso.PathTrace(samples=4, accelerator=name) for name in ("bvh", "kdtree", "grid")]
+    one, *others = (
+        iso.render(scene, method, size=(80, 60), threads=threads).channels["colour"]
+        for method, threads in [(methods[0], 1), (methods[0], 2), (methods[1], 2), (methods[2], 1)]
+    )
+    for other in others:
+        np.testing.assert_array_equal(other, one)
+
+
+def test_an_explanation_adds_up_through_holes() -> None:
+    veils = [iso.Item(_card(0.1 * k, -4, 4, 4), iso.Cutout(iso.Matte("tomato"), 0.3)) for k in range(3)]
+    scene = iso.Scene([*veils, _WALL], _LIGHTS, _CAMERA)
+    image = iso.render(scene, iso.RayTrace(samples=1), size=(8, 6))
+    told = iso.explain(scene, (3, 2), size=(8, 6))
+    np.testing.assert_allclose(told.colour, image.channels["colour"][2, 3], rtol=1e-5)
+    np.testing.assert_allclose(told.added_up, told.colour, rtol=1e-5)
+    assert sum(ray.kind == "passed" for ray in told.rays) == 3
+
+
 @pytest.mark.parametrize(
     ("make", "message"),
     [

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import numpy.typing as npt
 import pytest
@@ -227,6 +229,19 @@ def test_too_much_is_refused(make: object, message: str) -> None:
 def test_bad_displacements_are_named(make: object, message: str) -> None:
     with pytest.raises(iso.SceneError, match=message):
         make()  # type: ignore[operator]
+
+
+def test_bounds_have_room_for_what_is_displaced() -> None:
+    item = iso.Item(_square(), displacement=iso.Displacement(_white(), 0.5, midlevel=0.25)).scale(2.0)
+    np.testing.assert_allclose(item.bounds, [[-0.75, -0.75, -0.75], [2.75, 2.75, 0.75]])
+    np.testing.assert_allclose(iso.Scene([item]).bounds, item.bounds)
+
+
+@pytest.mark.parametrize("name", ["a.glb", "a.obj"])
+def test_files_say_that_displacements_are_left_out(tmp_path: Path, name: str) -> None:
+    item = iso.Item(_square(), displacement=iso.Displacement(_white()))
+    with pytest.warns(iso.IsophoteWarning, match=r"displacement of items 0.*isophote\.displace"):
+        iso.save(iso.Scene([item]), tmp_path / name)
 
 
 def test_a_picture_that_would_need_too_many_triangles_names_the_item() -> None:

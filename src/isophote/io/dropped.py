@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from os import fspath
 
 from isophote.errors import IsophoteWarning
 from isophote.io.files import StrPath
+from isophote.scene.scene import Item
 from isophote.shapes.mesh import Mesh
 
-__all__ = ["warn_dropped"]
+__all__ = ["warn_displaced", "warn_dropped"]
 
 
 def warn_dropped(
@@ -22,4 +23,16 @@ def warn_dropped(
     if lost:
         warnings.warn(
             f"{fspath(path)}: {format_name} has no place for {', '.join(lost)}", IsophoteWarning, stacklevel=5
+        )
+
+
+def warn_displaced(items: Sequence[Item], path: StrPath, format_name: str) -> None:
+    """Warn of items that a displacement moves in pictures, and that are written as they are without."""
+    numbers = [str(number) for number, item in enumerate(items) if item.displacement is not None]
+    if numbers:
+        warnings.warn(
+            f"{fspath(path)}: {format_name} has no place for the displacement of items {', '.join(numbers)}; "
+            "isophote.displace makes meshes that are displaced",
+            IsophoteWarning,
+            stacklevel=5,
         )

@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from isophote.errors import FileError, IsophoteWarning
+from isophote.io.dropped import warn_displaced
 from isophote.io.files import StrPath, write_bytes
 from isophote.io.obj_write import encode_obj
 from isophote.io.texture_png import encode_texture, picture_of
@@ -43,6 +44,7 @@ def write_obj_scene(path: StrPath, scene: Scene) -> None:
     lost = [type(thing).__name__ for thing in (*scene.lights, scene.camera) if thing is not None]
     if lost:
         warnings.warn(f"{fspath(path)}: OBJ has no place for {', '.join(lost)}", IsophoteWarning, stacklevel=4)
+    warn_displaced(scene.items, path, "OBJ")
     names = _names(scene.items)
     pictures: dict[ImageTexture, str] = {}
     library = "".join(

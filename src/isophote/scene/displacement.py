@@ -43,3 +43,8 @@ class Displacement:
     edge: float | None = attrs.field(default=None, converter=_optional_number, validator=optional(positive))
     pixels: float = attrs.field(default=2.0, converter=as_number, validator=positive)
     most: int = attrs.field(default=MOST_TRIANGLES, validator=_count)
+
+    @property
+    def reach(self) -> float:
+        """How far the surface moves at most where the texture is from 0 to 1."""
+        return abs(self.scale) * max(abs(self.midlevel), abs(1 - self.midlevel))

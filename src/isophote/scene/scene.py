@@ -119,7 +119,7 @@ class Item:
     @property
     def bounds(self) -> Bounds:
         """(2, 3): a box in world space around the shape's own box, placed, wherever it moves."""
-        return _swept_box(np.asarray(self.shape.bounds, np.float64), self.transform)
+        return _item_box(self, np.asarray(self.shape.bounds, np.float64))
 
     def still(self, time: float) -> Item:
         """The item as it stands at a time; itself where it does not move."""
@@ -134,6 +134,12 @@ def placed_box(box: Bounds, matrix: npt.NDArray[np.float64]) -> Bounds:
     np.multiply(linear, box[:, None, :], out=reach, where=(linear != 0)[None])
     bounds: Bounds = np.stack([reach.min(axis=0).sum(axis=1), reach.max(axis=0).sum(axis=1)]) + offset
     return bounds
+
+
+def _item_box(item: Item, box: Bounds) -> Bounds:
+    """Box around an item of which the shape's own box is known, with room for what a displacement may move."""
+    room = 0.0 if item.displacement is None else item.displacement.reach
+    return _swept_box(np.stack([box[0] - room, box[1] + room]), item.transform)
 
 
 def _swept_box(box: Bounds, transform: Transform | Motion) -> Bounds:
@@ -189,7 +195,7 @@ class Scene:
         for item in self.items:
             if id(item.shape) not in boxes:
                 boxes[id(item.shape)] = np.asarray(item.shape.bounds, np.float64)
-        placed = np.stack([_swept_box(boxes[id(item.shape)], item.transform) for item in self.items])
+        placed = np.stack([_item_box(item, boxes[id(item.shape)]) for item in self.items])
         return np.stack([placed[:, 0].min(axis=0), placed[:, 1].max(axis=0)])
 
     @property

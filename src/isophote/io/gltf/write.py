@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from isophote.errors import FileError, IsophoteWarning
+from isophote.io.dropped import warn_displaced
 from isophote.io.files import StrPath, write_bytes
 from isophote.io.gltf.build import Builder
 from isophote.io.gltf.material import MARK
@@ -46,6 +47,7 @@ def encode_gltf_scene(scene: Scene, path: StrPath) -> bytes:
     attribute differs from corner to corner. Point lights, spots and suns are kept; other lights are left out, with an
     `IsophoteWarning`. Raises `FileError` for shapes that are no meshes.
     """
+    warn_displaced(scene.items, path, "glTF")
     builder = Builder()
     nodes = _item_nodes(path, builder, scene.items) + _light_nodes(path, builder, scene.lights)
     if scene.camera is not None:
