@@ -23,6 +23,8 @@ from isophote.lower.materials import is_linked
 from isophote.lower.primitive_table import primitive_of
 from isophote.progress import Reporter
 from isophote.rendering.warm_accelerators import accelerator_parts, parts_of_accelerators
+from isophote.scene.image_texture import ImageTexture
+from isophote.scene.material_base import textures_of
 from isophote.scene.scene import Scene
 from isophote.shapes.mesh import Mesh
 
@@ -137,6 +139,23 @@ def _counts() -> None:
     count.count_pixels(_words(tables.SCENE), wave.new_wave(1).words, counts, 0, 0, 0)
 
 
+def _textures() -> None:
+    from isophote.kernels.trace import footprint, textured
+
+    footprint.curvature_at.compile()
+    textured.colour_at.compile()
+
+
+def _pictures() -> None:
+    from isophote.kernels.texture import filtered
+    from isophote.kernels.texture.contract import IN_FLOATS, SRGB
+    from isophote.lower.pictures import pyramid
+
+    pyramid(np.zeros((2, 4), np.float32), 2, 1, IN_FLOATS)
+    pyramid(np.zeros((2, 4), np.uint8), 2, 1, SRGB)
+    filtered.elliptical.compile()
+
+
 class _Part(NamedTuple):
     """What is compiled together: file and name of the kernel that comes last, and what compiles it."""
 
@@ -156,6 +175,8 @@ _PARTS = {
     "fields": _Part("accel/field_build.py", "split_regions", _fields),
     "primitives": _Part("primitive/surface.py", "primitive_surface", _primitives),
     "materials": _Part("trace/prepare.py", "prepare", _materials),
+    "textures": _Part("trace/textured.py", "colour_at", _textures),
+    "pictures": _Part("texture/filtered.py", "elliptical", _pictures),
     "light tree": _Part("light/light_tree_build.py", "collapse_light_tree", _light_tree),
     "visits": _Part("trace/count.py", "count_pixels", _counts),
     **{name: _Part(*part) for name, part in accelerator_parts()},
@@ -202,6 +223,11 @@ def warm_up(report: Reporter, scene: Scene, method: str, accelerator: str = "bvh
     # Sphere tracing knows matte surfaces alone, and visits none.
     if method not in ("sphere", "visits") and any(is_linked(item.material) for item in scene.items):
         rest.append("materials")
+    textures = [texture for item in scene.items for texture in textures_of(item.material)]
+    if textures:
+        rest.append("textures")
+    if any(isinstance(texture, ImageTexture) and texture.filter == "ewa" for texture in textures):
+        rest.append("pictures")
     if method == "path" and may_have_light_tree(scene):
         rest.append("light tree")
     warm_parts(report, [method], rest)
