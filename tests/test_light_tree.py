@@ -265,3 +265,19 @@ def test_many_lamps_look_the_same_as_few(monkeypatch):
     difference = many.channels["colour"].astype(np.float64) - few.channels["colour"]
     variance = many.channels["variance"].astype(np.float64) + few.channels["variance"]
     assert abs(difference.sum()) < 3.7 * np.sqrt(variance.sum())
+
+
+def test_many_lamps_stand_in_the_way_of_radiosity_as_few_do(monkeypatch):
+    """Dark disks between two plates, one of which shines: as many as are asked one by one, and one more."""
+    shining = iso.Item(plane(2.0), iso.Emitter(2.0)).rotate("x", np.pi).translate((0, 2, 0))
+    floor = iso.Item(plane(2.0), iso.Matte(0.5))
+    disks = [iso.DiskLight(0.25, power=0).at((x, 1, z)) for x in np.linspace(-0.8, 0.8, 4) for z in (-0.6, 0, 0.6, 1.2)]
+    found = []
+    for few in (100, 0):
+        monkeypatch.setattr(lower_lamps, "_FEW", few)
+        solution = iso.radiosity(iso.Scene([shining, floor], disks), iso.Radiosity(patch=0.5))
+        found.append(solution)
+    bare = iso.radiosity(iso.Scene([shining, floor]), iso.Radiosity(patch=0.5))
+    values = [(s.areas[:, None] * s.irradiance)[s.item == 1].sum() for s in (*found, bare)]
+    assert values[0] == pytest.approx(values[1], rel=1e-3)
+    assert values[0] < 0.97 * values[2]

@@ -167,8 +167,9 @@ def _between_patches(scene, patches, wave, shaft, p, q):
     if whole <= 0.0:
         # They face each other, but none of the sixteen places do.
         return 1.0, exchange, 1.0
-    # Lamps that are no patches may block, too.
-    if scene.lights.lamps.rows == 0 and sees_all(patches, shaft, p, q):
+    # Lamps that are no patches may block, too; many are primitives.
+    lamps = scene.lights.lamps.rows + scene.primitives.numbers.rows
+    if lamps == 0 and sees_all(patches, shaft, p, q):
         return 1.0, exchange, 0.0
     visible = _seen(scene, wave) / whole
     # What sixteen rays cannot tell: half a ray, and more where some are blocked.
