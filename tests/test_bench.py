@@ -198,3 +198,9 @@ def test_accelerators_over_primitives_are_compared_with_the_tree() -> None:
     output = output_of("accelerated_shapes.py", "--count", "20", "--rounds", "1", "--rays", "50")
     for scene in ("spheres", "crowd"):
         assert re.search(rf"^\| {scene} \| kdtree \| 20 \|", output, re.MULTILINE), output
+
+
+def test_texture_filters_are_compared() -> None:
+    output = output_of("textures.py", "--quick", "--only", "error")
+    errors = {line.split()[0]: float(line.split()[1]) for line in output.splitlines()[2:] if line}
+    assert errors["ewa"] < 0.5 * errors["trilinear"] < 0.5 * errors["bilinear"]

@@ -19,6 +19,8 @@ Floats: TypeAlias = npt.NDArray[np.float32]
 
 _WRAP = {"repeat": contract.REPEAT, "clamp": contract.CLAMP, "mirror": contract.MIRROR}
 _FILTERED = ("ewa", "trilinear")
+# Where the search for the byte of a value begins, by so many parts of it.
+_STEPS = 1024
 
 
 class PictureTable:
@@ -90,6 +92,8 @@ def pyramid(texels: Texels, width: int, height: int, encoding: int) -> list[Texe
     from isophote.kernels.texture.pyramid import encode, halve_bytes, halve_floats
 
     decode, levels = _decode(), [texels]
+    limits = (decode[:, 1:] + decode[:, :-1]) / 2
+    starts = np.stack([np.searchsorted(row, np.arange(_STEPS + 1, dtype=np.float32) / _STEPS) for row in limits])
     means: Floats | None = texels.astype(np.float32, copy=False) if encoding == IN_FLOATS else None
     while width > 1 or height > 1:
         half = np.empty((max(width // 2, 1) * max(height // 2, 1), 4), np.float32)
@@ -101,5 +105,5 @@ def pyramid(texels: Texels, width: int, height: int, encoding: int) -> list[Texe
         levels.append(half)
         if encoding != IN_FLOATS:
             levels[-1] = np.empty(half.shape, np.uint8)
-            encode(half, decode, np.int64(encoding), levels[-1])
+            encode(half, limits, starts, np.int64(encoding), levels[-1])
     return levels

@@ -28,6 +28,11 @@ def _taps(size, i):
     return 2 * i, (np.float32(n - i) * inverse, np.float32(n) * inverse, np.float32(i + 1) * inverse)
 
 
+@device
+def _tap_count(size):
+    return 1 if size == 1 else 2 + size % 2
+
+
 @kernel
 def halve_floats(texels, width, height, half):
     """The next level of (width · height, 4) texels into `half`."""
@@ -38,11 +43,9 @@ def halve_floats(texels, width, height, half):
             column, columns = _taps(width, x)
             for k in range(4):
                 total = 0.0
-                for j in range(3):
-                    for i in range(3):
-                        weight = rows[j] * columns[i]
-                        if weight > _ZERO:
-                            total += weight * texels[(row + j) * width + column + i, k]
+                for j in range(_tap_count(height)):
+                    for i in range(_tap_count(width)):
+                        total += rows[j] * columns[i] * texels[(row + j) * width + column + i, k]
                 half[y * across + x, k] = total
 
 
@@ -57,26 +60,21 @@ def halve_bytes(texels, width, height, decode, encoding, half):
             for k in range(4):
                 total = 0.0
                 kind = encoding if k < 3 else 1
-                for j in range(3):
-                    for i in range(3):
-                        weight = rows[j] * columns[i]
-                        if weight > _ZERO:
-                            total += weight * decode[kind, texels[(row + j) * width + column + i, k]]
+                for j in range(_tap_count(height)):
+                    for i in range(_tap_count(width)):
+                        total += rows[j] * columns[i] * decode[kind, texels[(row + j) * width + column + i, k]]
                 half[y * across + x, k] = total
 
 
 @kernel
-def encode(texels, decode, encoding, found):
-    """The bytes whose values by `decode` come next to those of the texels."""
+def encode(texels, limits, starts, encoding, found):
+    """The bytes that stand for what comes next to the texels' values. `limits` (2, 255): where the next byte is as
+    near, by rows of `decode`; `starts` (2, n + 1): the least byte for values from i / n on."""
+    steps = np.float32(starts.shape[1] - 1)
     for at in range(len(texels)):
         for k in range(4):
-            kind = encoding if k < 3 else 1
-            value = texels[at, k]
-            low, high = 0, 255
-            while low < high:
-                middle = (low + high) // 2
-                if value > (decode[kind, middle] + decode[kind, middle + 1]) * _HALF:
-                    low = middle + 1
-                else:
-                    high = middle
-            found[at, k] = low
+            kind, value = encoding if k < 3 else 1, texels[at, k]
+            byte = starts[kind, np.int64(min(max(value, _ZERO), _ONE) * steps)]
+            while byte < 255 and value > limits[kind, byte]:
+                byte += 1
+            found[at, k] = byte
