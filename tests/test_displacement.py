@@ -244,6 +244,11 @@ def test_files_say_that_displacements_are_left_out(tmp_path: Path, name: str) ->
         iso.save(iso.Scene([item]), tmp_path / name)
 
 
+def test_what_is_displaced_in_pictures_alone_is_not_baked() -> None:
+    with pytest.raises(iso.RenderError, match=r"isophote\.displace"):
+        iso.bake_occlusion(iso.Item(_square(), displacement=iso.Displacement(_white())), size=8)
+
+
 def test_a_picture_that_would_need_too_many_triangles_names_the_item() -> None:
     item = iso.Item(_square(), displacement=iso.Displacement(_white(), edge=0.01, most=100))
     with pytest.raises(iso.SceneError, match=r"items\[0\].*100 triangles"):

@@ -85,6 +85,8 @@ def bake_occlusion(
     """
     item = subject if isinstance(subject, Item) else Item(_mesh(subject))
     mesh = _mesh(item.shape)
+    if item.displacement is not None:
+        raise RenderError("bake_occlusion: the item is displaced in pictures alone; isophote.displace makes its mesh")
     _check_numbers(size, samples, gutter, bias)
     reach, number = checked_reach(max_distance), checked_seed(seed)
     if among is not None and not isinstance(among, Item | Scene):
