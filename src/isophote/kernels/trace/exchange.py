@@ -28,7 +28,7 @@ from isophote.kernels.trace.shaft import SHAFT, sees_all
 from isophote.kernels.trace.tables import SCENE
 from isophote.kernels.trace.wave import set_row_vec3
 
-__all__ = ["PATCHES", "exchanges", "open_patches"]
+__all__ = ["PATCHES", "exchanges", "lit_shares", "open_patches"]
 
 # Nodes: `corners` (n, 12), `sides` (n,) 3 or 4, 0 for clusters; `normals`, `centres` (n, 3); `axes` (n, 6): two half
 # edges, of a cluster those of a rectangle about the centre; `flat` (n,): 0 for clusters that lie in no plane;
@@ -106,8 +106,8 @@ def _lifted(patches, wave, row, i, place, face):
 
 @device
 def _aim(patches, wave, p, q):
-    """Sixteen rays between jittered places; the row DENSITY holds what each stands for, cosθ cosθ' / (π r²). Returns
-    their sum."""
+    """Sixteen rays between jittered places; the row DENSITY holds what each stands for, cosθ cosθ' / (π r²), the rows
+    PICK and LIGHT the places on the faces of p and q. Returns the sum of the former."""
     floats = wave.floats
     key = combine(_U(p), _U(q))
     turn = np.int64(key & _U(15))
@@ -135,6 +135,8 @@ def _aim(patches, wave, p, q):
             floats[rows.SHADOW_DIRECTION + k, i] -= floats[rows.SHADOW_ORIGIN + k, i]
         floats[rows.SHADOW_END, i] = _ONE
         floats[rows.DENSITY, i] = np.float32(part)
+        floats[rows.PICK_U, i], floats[rows.PICK_V, i] = np.float32(u), np.float32(v)
+        floats[rows.LIGHT_U, i], floats[rows.LIGHT_V, i] = np.float32(s), np.float32(t)
         sum_ += part
     return sum_
 
@@ -202,3 +204,59 @@ def exchanges(scene_words, patch_words, wave_words, shaft_words, pairs, found, f
             found[i, 0], found[i, 1], found[i, 2] = _between_patches(scene, patches, wave, shaft, p, q)
         else:
             found[i, 0], found[i, 1], found[i, 2] = _between_clusters(scene, patches, wave, p, q)
+
+
+@device
+def _leaf_at(patches, node, u, v):
+    """The leaf below a patch where `on_patch` puts (u, v)."""
+    three = patches.sides[node] == 3
+    if three:
+        u, v = (u - v / 2, v / 2) if v <= u else (u / 2, v - u / 2)
+    while patches.first_child[node] >= 0:
+        child = np.int64(patches.first_child[node])
+        if three and u < 0.5 and v < 0.5 and u + v >= 0.5:
+            # The part in the middle has turned axes.
+            node, u, v = child + 3, 2.0 * (u + v) - 1.0, 1.0 - 2.0 * u
+            continue
+        right, upper = u >= 0.5, v >= 0.5
+        if three:
+            node = child + 1 if right else (child + 2 if upper else child)
+        else:
+            node = child + ((2 if right else 3) if upper else (1 if right else 0))
+        u, v = 2.0 * u - (1.0 if right else 0.0), 2.0 * v - (1.0 if upper else 0.0)
+    return node
+
+
+@kernel
+def lit_shares(scene_words, patch_words, wave_words, bright, pairs, found, first, last):
+    """What part of the light of each of the pairs first ≤ i < last reaches the other, into the rows of `found` (n, 2):
+    of the second's, of the first's, by the rays of `exchanges` and what the leaves at their ends send out, `bright`
+    (nodes,). Rows stay as they are where no ray tells."""
+    scene, patches, wave = open_scene(scene_words), open_patches(patch_words), open_wave(wave_words)
+    floats = wave.floats
+    for i in range(first, last):
+        p, q = np.int64(pairs[i, 0]), np.int64(pairs[i, 1])
+        turned = patches.flat[p] != 0 and patches.flat[q] != 0 and patches.sizes[p, 0] > patches.sizes[q, 0]
+        if turned:
+            p, q = q, p
+        _aim(patches, wave, p, q)
+        find_blocked(scene, wave, _RAYS, True)
+        turn = np.int64(combine(_U(p), _U(q)) & _U(15))
+        all_p, all_q, lit_p, lit_q = 0.0, 0.0, 0.0, 0.0
+        for k in range(_RAYS):
+            j = (5 * k + turn) & (_RAYS - 1)
+            near = _leaf_at(
+                patches, _face_of(patches, p, (k + 0.5) / _RAYS), floats[rows.PICK_U, k], floats[rows.PICK_V, k]
+            )
+            far = _leaf_at(
+                patches, _face_of(patches, q, (j + 0.5) / _RAYS), floats[rows.LIGHT_U, k], floats[rows.LIGHT_V, k]
+            )
+            weight = np.float64(floats[rows.DENSITY, k])
+            passed = np.float64(share_left(scene, wave, k)) if wave.ints[rows.BLOCKED, k] == 0 else 0.0
+            all_p, all_q = all_p + weight * bright[near], all_q + weight * bright[far]
+            lit_p, lit_q = lit_p + weight * bright[near] * passed, lit_q + weight * bright[far] * passed
+        of_p, of_q = (np.int64(0), np.int64(1)) if turned else (np.int64(1), np.int64(0))
+        if all_p > 0.0:
+            found[i, of_p] = lit_p / all_p
+        if all_q > 0.0:
+            found[i, of_q] = lit_q / all_q

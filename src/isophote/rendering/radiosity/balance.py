@@ -25,7 +25,8 @@ class Balance:
         lit = links.seen[:, 0] > 0
         a, b = links.pairs[lit].T
         receivers, sources = np.concatenate([a, b]), np.concatenate([b, a])
-        self._expansion = Expansion(tree, receivers, sources, np.tile(links.seen[lit, 0], 2), threads)
+        shares = links.shares[lit].T.reshape(-1)
+        self._expansion = Expansion(tree, receivers, sources, shares, threads)
         depths = np.argsort(tree.depth, kind="stable")
         self._levels = np.split(depths, np.cumsum(np.bincount(tree.depth))[:-1])
         self.leaves = tree.leaves

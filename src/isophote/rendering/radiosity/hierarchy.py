@@ -149,6 +149,8 @@ def settle(
             balance = Balance(tree, links, threads)
             bounces, residuals = _bounce(balance, tree, direct.values, 1e-2, report)
         light, uneven = bounces[-1], balance.unevenness(bounces[-1])
+    links.weigh(light)
+    balance = Balance(tree, links, threads)
     bounces, residuals = _bounce(balance, tree, direct.values, residual, report)
     return Settled(tree, balance, direct.values, tuple(bounces), tuple(residuals), len(links))
 

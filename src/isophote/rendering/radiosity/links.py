@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from isophote.errors import RenderError
 from isophote.kernels.base.table import Packed
-from isophote.kernels.trace.exchange import exchanges
+from isophote.kernels.trace.exchange import exchanges, lit_shares
 from isophote.kernels.trace.shaft import new_shaft
 from isophote.kernels.trace.wave import new_wave
 from isophote.lower.field_table import scratch_words
@@ -23,6 +23,7 @@ __all__ = ["Limits", "Links", "level"]
 Points: TypeAlias = npt.NDArray[np.float64]
 Numbers: TypeAlias = npt.NDArray[np.int64]
 Report: TypeAlias = Callable[[int, int], None]
+Work: TypeAlias = Callable[[int, int, npt.NDArray[np.int64], npt.NDArray[np.int64]], None]
 
 _WAVE = 272
 _PAIRS_A_JOB = 2048
@@ -60,9 +61,30 @@ class Links:
         self.pairs = np.zeros((0, 2), np.int64)
         self.seen = np.zeros((0, 3))
         self.asked = 0
+        self._shares: Points | None = None
 
     def __len__(self) -> int:
         return len(self.pairs)
+
+    @property
+    def shares(self) -> Points:
+        """(n, 2): what part of the light of each pair's second node reaches the first, and of the first's the second;
+        the visible part of each, until they are weighed."""
+        return np.tile(self.seen[:, :1], 2) if self._shares is None else self._shares
+
+    def weigh(self, light: Points) -> None:
+        """Weigh what is visible of pairs that see parts of each other by the light (n, 3) that it sends out: what lies
+        in the shade of a thing is mostly what another does not see for the same thing."""
+        partly = np.flatnonzero((self.seen[:, 0] > 0) & (self.seen[:, 0] < 1))
+        pairs, bright = self.pairs[partly], level(light)
+        found = np.tile(self.seen[partly, :1], 2)
+
+        def work(first: int, last: int, wave: npt.NDArray[np.int64], _: npt.NDArray[np.int64]) -> None:
+            lit_shares(self._scene.words, self._tree.packed().words, wave, bright, pairs, found, first, last)
+
+        self._over(work, len(pairs))
+        self._shares = self.shares.copy()
+        self._shares[partly] = found
 
     def refine(self, light: Points, uneven: Points, limits: Limits, report: Report) -> None:
         """Split links that carry more error than `limits.flux` while `light` (n, 3) leaves the nodes, and varies by
@@ -71,6 +93,7 @@ class Links:
         Raises `RenderError` where there would be more links than `limits.links`.
         """
         state = np.stack([level(light), uneven], axis=1)
+        self._shares = None
         if self.asked == 0:
             self._take(self._first_pairs(), state, limits, report)
             return
@@ -129,21 +152,28 @@ class Links:
     def _asked_for(self, pairs: Numbers) -> Points:
         """(n, 3): what the kernel finds for pairs."""
         found = np.zeros((len(pairs), 3))
-        patches, pool = self._tree.packed(), Pool(self._threads)
+        patches = self._tree.packed()
+
+        def work(first: int, last: int, wave: npt.NDArray[np.int64], shaft: npt.NDArray[np.int64]) -> None:
+            exchanges(self._scene.words, patches.words, wave, shaft, pairs, found, first, last)
+
+        self._over(work, len(pairs))
+        self.asked += len(pairs)
+        return found
+
+    def _over(self, work: Work, count: int) -> None:
+        """Do pairs in parts, each thread with scratch of its own."""
+        pool = Pool(self._threads)
         words = scratch_words(self._scene.arrays["fields"])
         waves = [new_wave(_WAVE, words) for _ in range(pool.threads)]
         shafts = [new_shaft() for _ in range(pool.threads)]
 
-        def work(first: int, thread: int) -> None:
-            last = min(first + _PAIRS_A_JOB, len(pairs))
-            own_wave, own_shaft = waves[thread].words, shafts[thread].words
-            exchanges(self._scene.words, patches.words, own_wave, own_shaft, pairs, found, first, last)
+        def job(first: int, thread: int) -> None:
+            work(first, min(first + _PAIRS_A_JOB, count), waves[thread].words, shafts[thread].words)
 
-        pool.run(work, range(0, len(pairs), _PAIRS_A_JOB), lambda done: None)
+        pool.run(job, range(0, count, _PAIRS_A_JOB), lambda done: None)
         if pool.interrupted:
             raise KeyboardInterrupt
-        self.asked += len(pairs)
-        return found
 
     def _too_coarse(self, pairs: Numbers, seen: Points, state: Points, limits: Limits) -> npt.NDArray[np.bool_]:
         """Which pairs carry more error than they may, and can be split."""
