@@ -165,7 +165,7 @@ def _between_patches(scene, patches, wave, shaft, p, q):
         return 0.0, 0.0, 0.0
     exchange = patches.sizes[p, 0] * patches.sizes[q, 0] * whole / _RAYS
     if patches.sides[p] != 0:
-        exchange = max(exchange, patches.sizes[p, 0] * mean_factor(patches, p, q, distance, False))
+        exchange = max(exchange, patches.sizes[p, 0] * mean_factor(patches, p, q, distance))
     if whole <= 0.0:
         # They face each other, but none of the sixteen places do.
         return 1.0, exchange, 1.0

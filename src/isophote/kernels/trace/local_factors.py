@@ -15,7 +15,7 @@ import numpy as np
 from isophote.kernels.base.double3 import Double3, difference, dot3, norm, row3, scaled, total
 from isophote.kernels.base.jit import device, kernel
 from isophote.kernels.trace.exchange import open_patches
-from isophote.kernels.trace.patch_factors import mean_factor, source_factor
+from isophote.kernels.trace.patch_factors import brightness_seen, mean_source_factor, source_factor
 
 __all__ = ["far_factors", "near_factors", "place_irradiance"]
 
@@ -76,9 +76,10 @@ def _axes(patches, p):
 
 
 @kernel
-def far_factors(patch_words, starts, sources, visible, factors, first, last):
+def far_factors(patch_words, starts, sources, visible, bright, factors, first, last):
     """Coefficients of the form factors, times `visible`, of the entries starts[p] ≤ k < starts[p + 1] of nodes
-    first ≤ p < last, into the rows of `factors` (n, 6)."""
+    first ≤ p < last, into the rows of `factors` (n, 6); each times how bright the source is from there by `bright`
+    (nodes,), if that is not empty."""
     patches = open_patches(patch_words)
     for p in range(first, last):
         if starts[p] == starts[p + 1]:
@@ -92,7 +93,9 @@ def far_factors(patch_words, starts, sources, visible, factors, first, last):
             c0, c1, c2, c3, c4, c5 = _ZERO, _ZERO, _ZERO, _ZERO, _ZERO, _ZERO
             for i in range(_COUNTS[rule]):
                 offset = total(scaled(along, _PLACES[rule, i, 0]), scaled(across, _PLACES[rule, i, 1]))
-                value = visible[k] * source_factor(patches, total(centre, offset), normal, q)
+                place = total(centre, offset)
+                value = visible[k] * source_factor(patches, place, normal, q)
+                value *= brightness_seen(patches, place, normal, q, bright)
                 c0 += _MATRICES[rule, 0, i] * value
                 c1 += _MATRICES[rule, 1, i] * value
                 c2 += _MATRICES[rule, 2, i] * value
@@ -104,8 +107,9 @@ def far_factors(patch_words, starts, sources, visible, factors, first, last):
 
 
 @kernel
-def near_factors(patch_words, leaves, starts, sources, visible, factors, first, last):
-    """Mean form factors, times `visible`, of the entries starts[i] ≤ k < starts[i + 1] of leaves[first ≤ i < last]."""
+def near_factors(patch_words, leaves, starts, sources, visible, bright, factors, first, last):
+    """Mean form factors, times `visible`, of the entries starts[i] ≤ k < starts[i + 1] of leaves[first ≤ i < last],
+    and `bright` as for far ones."""
     patches = open_patches(patch_words)
     for i in range(first, last):
         leaf = np.int64(leaves[i])
@@ -113,11 +117,11 @@ def near_factors(patch_words, leaves, starts, sources, visible, factors, first, 
         for k in range(starts[i], starts[i + 1]):
             q = np.int64(sources[k])
             apart = norm(difference(row3(patches.centres, q), centre))
-            factors[k] = visible[k] * mean_factor(patches, leaf, q, apart, True)
+            factors[k] = visible[k] * mean_source_factor(patches, leaf, q, apart, bright)
 
 
 @kernel
-def place_irradiance(patch_words, starts, sources, visible, light, fields, leaves, places, found, first, last):
+def place_irradiance(patch_words, starts, sources, visible, bright, light, fields, leaves, places, found, first, last):
     """Irradiance at places[first ≤ i < last] (n, 3) on leaves[i], from the coefficients `fields` (nodes, 6, 3) and
     from the near entries starts[leaf] ≤ k < starts[leaf + 1] with the radiosity `light` of all nodes."""
     patches = open_patches(patch_words)
@@ -136,5 +140,6 @@ def place_irradiance(patch_words, starts, sources, visible, light, fields, leave
         for k in range(starts[leaf], starts[leaf + 1]):
             q = np.int64(sources[k])
             factor = visible[k] * source_factor(patches, place, normal, q)
+            factor *= brightness_seen(patches, place, normal, q, bright)
             for j in range(3):
                 found[i, j] += factor * light[q, j]

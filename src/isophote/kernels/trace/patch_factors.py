@@ -14,7 +14,7 @@ from isophote.kernels.base.double3 import Double3, difference, dot3, norm, row3,
 from isophote.kernels.base.jit import device
 from isophote.kernels.light.form_factor import corner3, on_patch, point_to_polygon
 
-__all__ = ["heights_over", "mean_factor", "source_factor"]
+__all__ = ["brightness_seen", "heights_over", "mean_factor", "mean_source_factor", "source_factor"]
 
 _ZERO, _ONE = np.float64(0), np.float64(1)
 _INV_PI = 1 / math.pi
@@ -150,15 +150,50 @@ def source_factor(patches, place, normal, q):
 
 
 @device
-def mean_factor(patches, p, q, distance, open_only):
-    """Mean form factor from patch p to node q, or to what of it lies within no solid, their centres so far apart."""
+def brightness_seen(patches, place, normal, q, bright):
+    """How bright node q is as seen from a place, in parts of its mean: its children's children, or its children where
+    these are leaves, count by what they would send there, `bright` (nodes,) being what each sends out."""
+    if len(bright) == 0 or patches.first_child[q] < 0 or bright[q] <= _ZERO:
+        return _ONE
+    sum_, whole = _ZERO, _ZERO
+    first = np.int64(patches.first_child[q])
+    for c in range(first, first + patches.children[q]):
+        inner, count = np.int64(patches.first_child[c]), np.int64(patches.children[c])
+        if inner < 0:
+            inner, count = np.int64(c), np.int64(1)
+        for k in range(inner, inner + count):
+            area = patches.sizes[k, 0] * patches.sizes[k, 2]
+            factor = _point_factor(patches, place, normal, k, row3(patches.centres, k), area)
+            whole += factor
+            sum_ += factor * bright[k]
+    return sum_ / (whole * bright[q]) if whole > _ZERO else _ONE
+
+
+@device
+def _rule_for(patches, p, q, distance):
+    """How many places along each edge of patch p it takes, the centres of p and q so far apart."""
     reach = patches.sizes[p, 1] + patches.sizes[q, 1]
-    normal = row3(patches.normals, p)
-    grid = 1 if distance > _FAR * reach else (2 if distance > _NEAR * reach else _GRID)
-    sum_ = 0.0
+    return 1 if distance > _FAR * reach else (2 if distance > _NEAR * reach else _GRID)
+
+
+@device
+def mean_factor(patches, p, q, distance):
+    """Mean form factor from patch p to node q, their centres so far apart."""
+    normal, grid, sum_ = row3(patches.normals, p), _rule_for(patches, p, q, distance), _ZERO
     for i in range(grid):
         for j in range(grid):
             place, weight = _quadrature(patches, p, grid, i, j)
-            factor = source_factor(patches, place, normal, q) if open_only else _whole_factor(patches, place, normal, q)
-            sum_ += weight * factor
+            sum_ += weight * _whole_factor(patches, place, normal, q)
+    return sum_
+
+
+@device
+def mean_source_factor(patches, p, q, distance, bright):
+    """Mean form factor from patch p to what of node q lies within no solid, times how bright q is from there."""
+    normal, grid, sum_ = row3(patches.normals, p), _rule_for(patches, p, q, distance), _ZERO
+    for i in range(grid):
+        for j in range(grid):
+            place, weight = _quadrature(patches, p, grid, i, j)
+            factor = source_factor(patches, place, normal, q)
+            sum_ += weight * factor * brightness_seen(patches, place, normal, q, bright)
     return sum_

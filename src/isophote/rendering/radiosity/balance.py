@@ -18,15 +18,19 @@ Numbers: TypeAlias = npt.NDArray[np.int64]
 
 
 class Balance:
-    """Links of the leaves, theirs and those of all nodes above them, made once for many bounces."""
+    """Links of the leaves, theirs and those of all nodes above them, made once for many bounces.
 
-    def __init__(self, tree: PatchTree, links: Links, threads: int | None) -> None:
+    If `bright` (nodes,) tells about what nodes send out, it is seen to where on them.
+    """
+
+    def __init__(self, tree: PatchTree, links: Links, threads: int | None, bright: Points | None = None) -> None:
         self._tree = tree
         lit = links.seen[:, 0] > 0
         a, b = links.pairs[lit].T
         receivers, sources = np.concatenate([a, b]), np.concatenate([b, a])
         shares = links.shares[lit].T.reshape(-1)
-        self._expansion = Expansion(tree, receivers, sources, shares, threads)
+        even = np.zeros(0) if bright is None else bright
+        self._expansion = Expansion(tree, receivers, sources, shares, even, threads)
         depths = np.argsort(tree.depth, kind="stable")
         self._levels = np.split(depths, np.cumsum(np.bincount(tree.depth))[:-1])
         self.leaves = tree.leaves

@@ -26,14 +26,22 @@ _TERMS = 6
 class Expansion:
     """Form factors of links from sources to receivers, of which the part `visible` is; made once for many bounces.
 
+    With `bright` (nodes,), what nodes send out about, sources are as uneven as that says; empty, all are even.
+
     Entries are in the order of their receivers, `near` those that leaves have for themselves.
     """
 
     def __init__(
-        self, tree: PatchTree, receivers: Numbers, sources: Numbers, visible: Points, threads: int | None
+        self,
+        tree: PatchTree,
+        receivers: Numbers,
+        sources: Numbers,
+        visible: Points,
+        bright: Points,
+        threads: int | None,
     ) -> None:
         self._tree, self._threads, self._count = tree, threads, len(tree)
-        self._patches = tree.packed()
+        self._patches, self._bright = tree.packed(), bright
         self.leaves = tree.leaves
         self._order = np.argsort(tree.depth, kind="stable")
         self._frames, self._over = _frames(tree)
@@ -99,11 +107,19 @@ class Expansion:
         words = self._patches.words
 
         def far(first: int, last: int) -> None:
-            far_factors(words, self._starts, self._sources, self._shares, self._far_factors, first, last)
+            far_factors(words, self._starts, self._sources, self._shares, self._bright, self._far_factors, first, last)
 
         def close(first: int, last: int) -> None:
             near_factors(
-                words, every, self._near_starts, self._near_sources, self._near_shares, self._near_factors, first, last
+                words,
+                every,
+                self._near_starts,
+                self._near_sources,
+                self._near_shares,
+                self._bright,
+                self._near_factors,
+                first,
+                last,
             )
 
         self._over_nodes(far, self._count, _NODES_A_JOB)
@@ -151,6 +167,7 @@ class Expansion:
                 self._near_starts,
                 self._near_sources,
                 self._near_shares,
+                self._bright,
                 light,
                 fields,
                 leaves,

@@ -33,7 +33,8 @@ _ROUNDS = (16.0, 4.0, 1.0)
 @attrs.frozen(eq=False)
 class Settled:
     """A tree in balance: `direct` (n, 3) is the irradiance from what is no patch, `bounces` the radiosity (n, 3) of all
-    nodes after each bounce, the last the answer, `residuals` by how much each bounce changed it."""
+    nodes after each bounce, the last the answer, `residuals` by how much each bounce changed it, `form_factor_sums`
+    (leaves,) Σ F of every leaf."""
 
     tree: PatchTree
     balance: Balance
@@ -41,6 +42,7 @@ class Settled:
     bounces: tuple[Points, ...]
     residuals: tuple[float, ...]
     links: int
+    form_factor_sums: Points
 
     @property
     def light(self) -> Points:
@@ -52,11 +54,6 @@ class Settled:
         """(leaves, 3): light that arrives at every leaf in the end."""
         arriving: Points = self.direct[self.tree.leaves] + self.balance.gathered(self.light)
         return arriving
-
-    @property
-    def form_factor_sums(self) -> Points:
-        """(leaves,): Σ F of every leaf."""
-        return self.balance.form_factor_sums()
 
     def radiosity_at(self, number: int, leaves: Numbers, places: Points) -> Points:
         """(n, 3): radiosity after so many bounces at places on leaves."""
@@ -149,10 +146,11 @@ def settle(
             balance = Balance(tree, links, threads)
             bounces, residuals = _bounce(balance, tree, direct.values, 1e-2, report)
         light, uneven = bounces[-1], balance.unevenness(bounces[-1])
+    sums = balance.form_factor_sums()
     links.weigh(light)
-    balance = Balance(tree, links, threads)
+    balance = Balance(tree, links, threads, level(light))
     bounces, residuals = _bounce(balance, tree, direct.values, residual, report)
-    return Settled(tree, balance, direct.values, tuple(bounces), tuple(residuals), len(links))
+    return Settled(tree, balance, direct.values, tuple(bounces), tuple(residuals), len(links), sums)
 
 
 def _cut_by_irradiance(tree: PatchTree, balance: Balance, light: Points, allowed: float, patch: float) -> bool:

@@ -67,10 +67,10 @@ class PairRows:
         starts = np.arange(len(own) + 1) * count
         factors = np.zeros(len(pairs), np.float32)
         visible = np.where(seen[:, 1] > 0, seen[:, 0], 0.0).astype(np.float32)
-        targets, patches = b.astype(np.int32), self._patches.words
+        targets, patches, even = b.astype(np.int32), self._patches.words, np.zeros(0)
 
         def measure(first: int, thread: int) -> None:
-            near_factors(patches, own, starts, targets, visible, factors, first, min(first + 1, len(own)))
+            near_factors(patches, own, starts, targets, visible, even, factors, first, min(first + 1, len(own)))
 
         pool.run(measure, range(len(own)), lambda done: None)
         if pool.interrupted:
