@@ -1,7 +1,7 @@
 """Form factors from places to nodes of a tree of patches, as if nothing were in the way.
 
-A near patch is measured by Lambert's closed form, a far one by Gauss's rule; a cluster by its children's children, each
-with all its area at its centre.
+A near patch is measured by Lambert's closed form, a far one by Gauss's rule; a cluster by its children that are
+patches and by the children of the others, each of these with all its area at its centre.
 """
 
 from __future__ import annotations
@@ -64,23 +64,6 @@ def _point_factor(patches, place, normal, q, on, area):
 
 
 @device
-def _cluster_factor(patches, place, normal, q):
-    """Form factor from a place to a cluster, by its children or, where it is near, their children."""
-    sum_ = _ZERO
-    apart = norm(difference(row3(patches.centres, q), place))
-    far = apart > _FAR_CLUSTER * patches.sizes[q, 1]
-    first = np.int64(patches.first_child[q])
-    for c in range(first, first + patches.children[q]):
-        if far or patches.sides[c] != 0:
-            sum_ += _point_factor(patches, place, normal, c, row3(patches.centres, c), patches.sizes[c, 0])
-        else:
-            inner = np.int64(patches.first_child[c])
-            for k in range(inner, inner + patches.children[c]):
-                sum_ += _point_factor(patches, place, normal, k, row3(patches.centres, k), patches.sizes[k, 0])
-    return sum_
-
-
-@device
 def _open_share(patches, place, normal, q):
     """The share of what a place could see of patch q, above its horizon, that lies within no solid."""
     covered = patches.covered[q]
@@ -123,10 +106,8 @@ def _quadrature(patches, p, grid, i, j):
 
 
 @device
-def _whole_factor(patches, place, normal, q):
-    """Form factor from a place to node q; 0 behind it."""
-    if patches.sides[q] == 0:
-        return _cluster_factor(patches, place, normal, q)
+def _patch_factor(patches, place, normal, q):
+    """Form factor from a place to patch q; 0 behind it."""
     way = difference(row3(patches.centres, q), place)
     if dot3(way, row3(patches.normals, q)) >= _ZERO:
         return _ZERO
@@ -140,6 +121,33 @@ def _whole_factor(patches, place, normal, q):
                 on, weight = _quadrature(patches, q, 2, i, j)
                 factor += _point_factor(patches, place, normal, q, on, weight * patches.sizes[q, 0])
     return factor
+
+
+@device
+def _cluster_factor(patches, place, normal, q):
+    """Form factor from a place to a cluster, by its children or, where it is near, their children."""
+    sum_ = _ZERO
+    apart = norm(difference(row3(patches.centres, q), place))
+    far = apart > _FAR_CLUSTER * patches.sizes[q, 1]
+    first = np.int64(patches.first_child[q])
+    for c in range(first, first + patches.children[q]):
+        if patches.sides[c] != 0:
+            sum_ += _patch_factor(patches, place, normal, c)
+        elif far:
+            sum_ += _point_factor(patches, place, normal, c, row3(patches.centres, c), patches.sizes[c, 0])
+        else:
+            inner = np.int64(patches.first_child[c])
+            for k in range(inner, inner + patches.children[c]):
+                sum_ += _point_factor(patches, place, normal, k, row3(patches.centres, k), patches.sizes[k, 0])
+    return sum_
+
+
+@device
+def _whole_factor(patches, place, normal, q):
+    """Form factor from a place to node q; 0 behind it."""
+    if patches.sides[q] == 0:
+        return _cluster_factor(patches, place, normal, q)
+    return _patch_factor(patches, place, normal, q)
 
 
 @device
