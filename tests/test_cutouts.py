@@ -59,6 +59,23 @@ def test_a_masked_card_is_the_card_cut_in_half(method: object, each: float, mean
     assert np.abs(cut.mean(axis=(0, 1)) - half.mean(axis=(0, 1))).max() < mean
 
 
+def test_the_fourth_channel_of_a_picture_is_its_opacity() -> None:
+    texels = np.full((4, 8, 4), 255, np.uint8)
+    texels[:, 4:, 3] = 0
+    leaf = iso.ImageTexture(texels, wrap="clamp", filter="nearest")
+    half = _colours(_half_card(), iso.RayTrace())
+    for material in (
+        iso.Cutout(iso.Matte("tomato"), leaf),
+        iso.Cutout(iso.Matte("tomato"), leaf, mode="mask"),
+    ):
+        cut = _colours(iso.Scene([iso.Item(_card(0), material), _WALL], _LIGHTS, _CAMERA), iso.RayTrace())
+        assert np.quantile(np.abs(cut - half).max(axis=2), 0.99) < 2e-3
+    shown = iso.Principled("tomato", colour_texture=leaf, alpha_mode="mask")
+    cut = iso.render(iso.Scene([iso.Item(_card(0), shown), _WALL], _LIGHTS, _CAMERA), iso.RayTrace(), size=(24, 18))
+    whole = iso.render(_half_card(), iso.RayTrace(), size=(24, 18))
+    assert (cut.channels["item"] == whole.channels["item"]).mean() > 0.99
+
+
 def test_channels_see_through_holes() -> None:
     size, method = (32, 24), iso.RayTrace()
     cut = iso.render(_cut_card(), method, size=size).channels

@@ -161,6 +161,16 @@ def test_light_that_is_aimed_at_and_met_is_the_same(base: iso.Material) -> None:
     np.testing.assert_allclose(met.mean(axis=(0, 1)), aimed.mean(axis=(0, 1)), rtol=0.02)
 
 
+def test_maps_lie_inside_coats_and_mixtures() -> None:
+    lean = iso.NormalMap(iso.Matte(0.8), _map(0.6, 0.0, 0.8))
+    alone, none = _seen(_card(), lean)["colour"], _seen(_card(), iso.Matte(0.8))["colour"]
+    mixed = _seen(_card(), iso.Mix(lean, iso.Matte(0.8), 0.25))["colour"]
+    np.testing.assert_allclose(mixed, 0.75 * alone + 0.25 * none, rtol=1e-4, atol=1e-6)
+    # A coat of index 1 or nearly so is none, and stays flat where its base is not.
+    coated = _seen(_card(), iso.Coated(lean, ior=1.0001))["colour"]
+    np.testing.assert_allclose(coated, alone, rtol=1e-3, atol=1e-6)
+
+
 def test_nothing_that_can_be_seen_is_black() -> None:
     # A mirror-like relief on a sphere, lit by a sky alone, out to its rim.
     generator = np.random.default_rng(1)
