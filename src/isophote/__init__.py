@@ -52,6 +52,7 @@ _HOME = {
     "Material": "scene.material_base",
     "Matte": "scene.material",
     "Measured": "scene.measured",
+    "Medium": "scene.medium",
     "Mesh": "shapes.mesh",
     "Metal": "scene.metal",
     "Mirror": "scene.material",

@@ -113,7 +113,7 @@ def lower_moments(
         tables = lower_scene(scene.still(scene.shutter[0]), size, threads, accelerator).arrays
         kept = {name: tables[name] for name in SCENE.fields}
         return [SCENE.pack(**kept | {"camera": camera_rows(scene.still(time), size)}) for time in times]
-    way = accelerator, scene.shutter
+    way = accelerator, scene.medium, scene.shutter
     first = _latest.find(scene, way)
     if first is None:
         first = _First.of(scene, moving, threads, accelerator)

@@ -58,7 +58,7 @@ def lower_scene(
     """
     scene = displaced(scene.still(), size)
     camera = camera_rows(scene, size)
-    way = accelerator, marched
+    way = accelerator, marched, scene.medium
     tables = _latest.find(scene, way)
     if tables is None:
         parts = parts_of(scene, marched)
@@ -106,7 +106,7 @@ def tables_of(
         "fields": fields,
         "primitives": _primitives(parts, accelerator, threads),
         "materials": material_table,
-        "media": lower_media(parts.materials.materials),
+        "media": lower_media(parts.materials.materials, scene.medium),
         "textures": textures,
         "lights": lights_of(scene, parts, reach),
     }

@@ -17,6 +17,7 @@ from isophote.scene.fields import VectorLike, instance_of, optional
 from isophote.scene.light import AreaLight, Environment, Light, PointLight, Sky, Sun
 from isophote.scene.material import Matte
 from isophote.scene.material_base import Material
+from isophote.scene.medium import Medium
 from isophote.scene.motion import Motion
 from isophote.scene.spot_light import SpotLight
 from isophote.scene.transform import Axis, Transform
@@ -28,6 +29,7 @@ Bounds: TypeAlias = npt.NDArray[np.float64]
 
 _name = optional(instance_of("a string or None", str))
 _camera = optional(instance_of("a Camera, an OrthographicCamera or None", Camera, OrthographicCamera))
+_medium = optional(instance_of("a Medium or None", Medium))
 _material = instance_of("a material (Matte, Metal, Glass, Emitter, ...)", Material)
 # Steps between two placements of a motion at which its box is taken.
 _STEPS = 9
@@ -178,13 +180,15 @@ def _members(value: Any, field: str, kinds: tuple[type, ...], wanted: str) -> An
 class Scene:
     """All that a picture shows: `items`, `lights`, and the `camera` that looks at them, if there is one.
 
-    Items with an `Emitter` material shine too. Raises `SceneError` for members of other types.
+    Items with an `Emitter` material shine too. `medium` fills the air, by default with nothing; `PathTrace` shows it.
+    Raises `SceneError` for members of other types.
     """
 
     items: tuple[Item, ...] = attrs.field(converter=_items)
     lights: tuple[Light, ...] = attrs.field(default=(), converter=_lights)
     camera: AnyCamera | None = attrs.field(default=None, validator=_camera)
     name: str | None = attrs.field(default=None, validator=_name)
+    medium: Medium | None = attrs.field(default=None, kw_only=True, validator=_medium)
 
     @property
     def bounds(self) -> Bounds:

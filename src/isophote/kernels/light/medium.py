@@ -18,6 +18,7 @@ import numpy as np
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.table import FLOAT_ROWS, INTS, Table
 from isophote.kernels.base.vec import dot, vec3
+from isophote.kernels.light.air import AIR
 
 __all__ = [
     "MEDIA",
@@ -37,8 +38,8 @@ _ZERO, _ONE = np.float32(0), np.float32(1)
 
 
 # `of_material` (materials,): number of the medium behind surfaces of each material, or 0; `values` (media, 5): index of
-# refraction, priority, absorption coefficient in 1/m by channels; row 0 is air.
-MEDIA = Table("Media", of_material=INTS, values=FLOAT_ROWS)
+# refraction, priority, absorption coefficient in 1/m by channels; row 0 is air, and `air` what that does to light.
+MEDIA = Table("Media", of_material=INTS, values=FLOAT_ROWS, air=AIR)
 
 
 class Boundary(NamedTuple):

@@ -29,6 +29,7 @@ from isophote.kernels.light.medium import (
     surface_boundary,
 )
 from isophote.kernels.trace import wave as rows
+from isophote.kernels.trace.air import SCATTERED, dim_shadow_rays, scatter_in_air
 from isophote.kernels.trace.batch import LAMP, trace_rays, trace_shadow_rays
 from isophote.kernels.trace.boundary import goes_smoothly, set_relative_index
 from isophote.kernels.trace.cone import carry_cone, cone_radius
@@ -37,7 +38,7 @@ from isophote.kernels.trace.holes import has_holes
 from isophote.kernels.trace.material import evaluate_linked, lit_side, prepare_linked, sample_linked
 from isophote.kernels.trace.painted_lights import tint_of_light
 from isophote.kernels.trace.pick import chance_of_light, pick_for
-from isophote.kernels.trace.samples import FIRST, Tile, develop, draw, start_paths
+from isophote.kernels.trace.samples import FIRST, Tile, are_neighbours, develop, draw, start_paths
 from isophote.kernels.trace.shading import mirror_ray, scatter_glass_ray, seen_normal, surface_colour, surface_emission
 from isophote.kernels.trace.tables import FILM, PLAN, SCENE
 from isophote.kernels.trace.wave import add_radiance, row_vec3, set_row_vec3
@@ -164,6 +165,7 @@ def _aim(tables, wave, i, at, kind, surface, boundary, shading, out, colour, car
     set_row_vec3(floats, rows.SHADOW_LIGHT, at, light)
     floats[rows.SHADOW_END, at] = _FAR if far else _SHADOW_END
     wave.ints[rows.SHADOW_OWNER, at] = wave.ints[rows.OWNER, i]
+    wave.ints[rows.SHADOW_MEDIUM, at] = np.uint32(medium)
     return np.int64((sample.density >= _ZERO) & (maximum_component(light) > _ZERO))
 
 
@@ -181,12 +183,19 @@ def _survives(worth_tracing, plan, depth, carried, u):
 
 @device
 def _go_on(tables, worth_tracing, plan, wave, depth, i, to, met, shading, into, carried, density, inside):
-    """Write the ray that goes on to wave column `to`. Returns how many were written: 1, or 0 where the path ends."""
-    floats, ints = wave.floats, wave.ints
+    """Write the ray that goes on from a surface to wave column `to`. Returns how many were written: 1, or 0 where the
+    path ends."""
     surface, hit, direction = met
-    factor = _survives(worth_tracing, plan, depth, carried, floats[rows.PICK_V, i])
     carry_cone(tables, plan, wave, i, to, surface, hit, direction, into, density)
     start = offset_point(surface.place, surface.normal, surface.error, into)
+    return _go_on_from(start, worth_tracing, plan, wave, depth, i, to, shading, into, carried, density, inside)
+
+
+@device
+def _go_on_from(start, worth_tracing, plan, wave, depth, i, to, shading, into, carried, density, inside):
+    """As _go_on, from a place, the ray's cone apart."""
+    floats, ints = wave.floats, wave.ints
+    factor = _survives(worth_tracing, plan, depth, carried, floats[rows.PICK_V, i])
     # Written whether the path lives or not, as in _aim.
     set_row_vec3(floats, rows.ORIGIN, to, start)
     set_row_vec3(floats, rows.DIRECTION, to, into)
@@ -203,6 +212,19 @@ def _go_on(tables, worth_tracing, plan, wave, depth, i, to, met, shading, into, 
 
 
 @device
+def _go_on_in_air(worth_tracing, plan, wave, depth, i, to, inside):
+    """As _go_on, where the air has scattered the ray."""
+    if depth == plan.max_depth:
+        return np.int64(0)
+    floats = wave.floats
+    start, into = row_vec3(floats, rows.ORIGIN, i), row_vec3(floats, rows.DIRECTION, i)
+    carried, density = row_vec3(floats, rows.CARRIED, i), floats[rows.DENSITY, i]
+    floats[rows.WIDTH, to], floats[rows.SPREAD, to] = floats[rows.WIDTH, i], floats[rows.SPREAD, i]
+    nowhere = vec3(_ZERO, _ZERO, _ZERO)
+    return _go_on_from(start, worth_tracing, plan, wave, depth, i, to, nowhere, into, carried, density, inside)
+
+
+@device
 def _cross_glass(media, surface, direction, boundary, inside, colour, u):
     """(direction, weight, media that it is in) of the reflected or the refracted ray of a smooth boundary; within a
     medium of higher priority there is none."""
@@ -214,10 +236,11 @@ def _cross_glass(media, surface, direction, boundary, inside, colour, u):
 
 
 @device
-def _shade(tables, plan, wave, count, depth):
-    """Emission, aiming and scattering of every path. Returns (paths that go on, shadow rays)."""
+def _shade(tables, plan, wave, count, depth, shadows):
+    """Emission, aiming and scattering of every path; so many shadow rays are there already. Returns (paths that go on,
+    shadow rays)."""
     floats, ints, longs = wave.floats, wave.ints, wave.longs
-    alive, shadows = np.int64(0), np.int64(0)
+    alive = np.int64(0)
     constant = tables.lights.environment.constant
     worth = _WORTH_MET if constant[0] + constant[1] + constant[2] > _ZERO else _WORTH_AIMED
     for i in range(count):
@@ -231,6 +254,9 @@ def _shade(tables, plan, wave, count, depth):
             carried = carried * attenuation(tables.media, medium, floats[rows.HIT_T, i])
             if slot == LAMP:
                 k = longs[rows.HIT_INSTANCE, i]
+                if k == SCATTERED:
+                    alive += _go_on_in_air(worth, plan, wave, depth, i, alive, inside)
+                    continue
                 to_light = direction * floats[rows.HIT_T, i]
                 radiance = lamp_radiance(tables.lights, k, origin + to_light, direction)
                 weight = _weight_of_meeting(tables.lights, wave, i, k, scattered, origin, to_light)
@@ -299,18 +325,22 @@ def path_trace_tile(scene_words, plan_words, film_words, wave_words, x0, x1, y0,
     tables, plan = open_scene(scene_words), open_plan(plan_words)
     film, wave = open_film(film_words), open_wave(wave_words)
     tile = Tile(x0, x1, y0, y1)
-    count, place = start_paths(tables, plan, film, tile, np.int64(0), wave)
+    begun = np.int64(0)
+    count, place = start_paths(tables, plan, film, tile, begun, wave)
     while count > 0:
-        alive = count
+        alive, together = count, are_neighbours(count, begun, place)
         for depth in range(1, plan.max_depth + 1):
             if has_holes(tables):
                 draw(plan, wave, alive, _HOLES + depth, rows.PICK_U)
             # Rays of one pixel leave the camera together; later ones go every way.
-            trace_rays(tables, wave, alive, depth == 1)
+            trace_rays(tables, wave, alive, together and depth == 1)
             _draw_step(plan, wave, alive, depth)
-            alive, shadows = _shade(tables, plan, wave, alive, depth)
-            trace_shadow_rays(tables, wave, shadows, depth == 1)
+            in_air = scatter_in_air(tables, plan, wave, alive, depth)
+            alive, shadows = _shade(tables, plan, wave, alive, depth, in_air)
+            dim_shadow_rays(tables, wave, shadows)
+            trace_shadow_rays(tables, wave, shadows, together and depth == 1)
             if alive == 0:
                 break
         develop(plan, count, wave, film)
+        begun = place
         count, place = start_paths(tables, plan, film, tile, place, wave)

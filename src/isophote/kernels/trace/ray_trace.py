@@ -31,7 +31,7 @@ from isophote.kernels.trace.material import branch_material, sample_material
 from isophote.kernels.trace.ray_lights import light_surfaces, prepare_surface, remember_surface
 from isophote.kernels.trace.ray_log import LOG, log_camera, log_hit, log_terms
 from isophote.kernels.trace.ray_tree import TREE, branch, gather, next_level, start_trees, sum_levels, take
-from isophote.kernels.trace.samples import Tile, develop, draw, start_paths
+from isophote.kernels.trace.samples import Tile, are_neighbours, develop, draw, start_paths
 from isophote.kernels.trace.shading import surface_colour, surface_emission
 from isophote.kernels.trace.tables import FILM, PLAN, SCENE
 from isophote.kernels.trace.wave import add_radiance, row_vec3
@@ -225,8 +225,10 @@ def ray_trace_tile(scene_words, plan_words, film_words, wave_words, tree_words, 
     film, wave = open_film(film_words), open_wave(wave_words)
     tree, log = open_tree(tree_words), open_log(log_words)
     tile, levels = Tile(x0, x1, y0, y1), plan.max_depth
-    trees, place = start_paths(tables, plan, film, tile, np.int64(0), wave)
+    begun = np.int64(0)
+    trees, place = start_paths(tables, plan, film, tile, begun, wave)
     while trees > 0:
+        together = are_neighbours(trees, begun, place)
         start_trees(tree, levels, trees)
         for i in range(trees):
             tree.rays[ray_tree.RAY_LOGGED, i] = log_camera(log, wave, i)
@@ -235,13 +237,14 @@ def ray_trace_tile(scene_words, plan_words, film_words, wave_words, tree_words, 
             if has_holes(tables):
                 stop_at_any(wave, count)
             # Rays of one pixel leave the camera together; later ones go every way.
-            trace_rays(tables, wave, count, level == 0)
+            trace_rays(tables, wave, count, together and level == 0)
             lit = _shade(tables, plan, tree, wave, log, level, count)
-            light_surfaces(tables, plan, tree, wave, log, lit, level == 0)
+            light_surfaces(tables, plan, tree, wave, log, lit, together and level == 0)
             gather(tree, wave, level, count)
             level = next_level(tree, levels, level)
             count = take(tree, wave, level) if level > 0 else np.int64(0)
         sum_levels(tree, wave, levels, trees)
         develop(plan, trees, wave, film)
         _count_rays(plan, tree, wave, trees)
+        begun = place
         trees, place = start_paths(tables, plan, film, tile, place, wave)

@@ -16,7 +16,7 @@ from isophote.kernels.trace.camera import camera_ray
 from isophote.kernels.trace.cone import start_cones
 from isophote.kernels.trace.wave import set_row_vec3
 
-__all__ = ["FIRST", "Tile", "develop", "draw", "start_paths"]
+__all__ = ["FIRST", "Tile", "are_neighbours", "develop", "draw", "start_paths"]
 
 _ZERO, _HALF, _ONE = np.float32(0), np.float32(0.5), np.float32(1)
 _FAR = np.float32(np.inf)
@@ -24,6 +24,8 @@ _FAR = np.float32(np.inf)
 # Sampling dimensions (pairs of numbers): film, lens, then those of the method from FIRST on.
 # NumPy integers: Numba would compile what takes a plain constant anew for each of its values.
 _FILM, _LENS, FIRST = np.int64(0), np.int64(1), np.int64(2)
+# Where fewer than one of so many pixels has a path, sixteen of them go every way.
+_PATHS_A_PIXEL = np.int64(2)
 
 
 class Tile(NamedTuple):
@@ -97,6 +99,12 @@ def start_paths(tables, plan, film, tile, place, wave):
     if tables.textures.nodes.rows > 0:
         start_cones(tables, plan, wave, count)
     return count, place
+
+
+@device
+def are_neighbours(count, begun, place):
+    """Whether so many paths, of the pixels from `begun` to before `place`, leave the camera side by side."""
+    return _PATHS_A_PIXEL * count >= place - begun
 
 
 @device

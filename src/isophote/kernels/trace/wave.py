@@ -38,12 +38,17 @@ FROM_NORMAL = 32
 LEFT = 35
 # The ray's cone (cone.py).
 WIDTH, SPREAD = 36, 37
-FLOAT_COUNT = 38
+# Numbers by which rays fly through air that scatters (air_rays.py).
+FLIGHT_U, FLIGHT_V = 38, 39
+# Three rows: shares of the channels in the density of the path that began in this column, 1 on the average.
+SHARES = 40
+FLOAT_COUNT = 43
 
 # Unsigned rows: the pixel's number for sampling, sample, column of the path at the wave's start, the same for its
-# shadow ray, whether that is blocked, and the place on the film of the path that began in this column.
-PIXEL, SAMPLE, OWNER, SHADOW_OWNER, BLOCKED, PLACE = 0, 1, 2, 3, 4, 5
-INT_COUNT = 6
+# shadow ray, whether that is blocked, the place on the film of the path that began in this column, and the medium that
+# the shadow ray of a path goes through.
+PIXEL, SAMPLE, OWNER, SHADOW_OWNER, BLOCKED, PLACE, SHADOW_MEDIUM = 0, 1, 2, 3, 4, 5, 6
+INT_COUNT = 7
 
 # Long rows: slot and instance of the hit, order in which packets take rays, media that the ray is in (medium.py).
 HIT_SLOT, HIT_INSTANCE, ORDER, INSIDE = 0, 1, 2, 3
