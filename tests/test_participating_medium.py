@@ -12,7 +12,7 @@ BOX = [(-2, -2, -2), (2, 2, 2)]
 ALONG = iso.OrthographicCamera((0, 0, 5), (0, 0, 0), height=1e-3)
 
 
-def _pictures(scene, samples=256, max_depth=2, seeds=8, size=SIZE):
+def _pictures(scene, samples=128, max_depth=2, seeds=16, size=SIZE):
     method = iso.PathTrace(samples=samples, max_depth=max_depth)
     return np.array(
         [iso.render(scene, method, size=size, seed=s, progress=False).channels["colour"] for s in range(seeds)], float
@@ -20,10 +20,10 @@ def _pictures(scene, samples=256, max_depth=2, seeds=8, size=SIZE):
 
 
 def _is(pictures, expected, least=1e-6):
-    """Whether the mean over all pixels of independent pictures is what is expected, by channels, within 4 σ."""
+    """Whether the mean over all pixels of independent pictures is what is expected, by channels, within 4.5 σ."""
     means = pictures.mean(axis=(1, 2))
     error = means.std(axis=0, ddof=1) / np.sqrt(len(means))
-    assert (np.abs(means.mean(axis=0) - expected) < 4 * error + least).all(), (means.mean(axis=0), expected, error)
+    assert (np.abs(means.mean(axis=0) - expected) < 4.5 * error + least).all(), (means.mean(axis=0), expected, error)
     assert (error < 0.02 * np.max(expected)).all()
 
 
@@ -55,14 +55,14 @@ def test_nothing_is_lost_where_nothing_is_swallowed(anisotropy, bounds):
     room = iso.Item(iso.box(6), iso.Emitter((1, 1, 1), two_sided=True))
     camera = iso.Camera((0, 0, 2), (0, 0.4, 0), fov_degrees=60)
     medium = iso.Medium(scattering=(0.2, 0.5, 1.0), anisotropy=anisotropy, bounds=bounds)
-    _is(_pictures(iso.Scene([room], camera=camera, medium=medium), 64, 256, 6), np.ones(3))
+    _is(_pictures(iso.Scene([room], camera=camera, medium=medium), 32, 256), np.ones(3))
 
 
 def test_nothing_is_lost_under_a_sky():
     medium = iso.Medium(scattering=(0.3, 0.6, 1.5), anisotropy=0.3, bounds=BOX)
     scene = iso.Scene([iso.Item(iso.sphere(0.5), iso.Matte(1.0))], [iso.Sky("white")], ALONG, medium=medium)
     camera = iso.Camera((0, 1, 6), (0, 0, 0), fov_degrees=50)
-    _is(_pictures(scene.with_(camera=camera), 64, 1024, 6), np.ones(3))
+    _is(_pictures(scene.with_(camera=camera), 32, 1024), np.ones(3))
 
 
 def _phase(g, cosine):
@@ -103,22 +103,22 @@ def _round_lamp(lit_by_itself):
 
 
 def test_lamps_are_aimed_at_and_met_alike():
-    """A large lamp near the rays, against the same integral over its solid angle by quadrature; and a picture of the sky,
-    which is aimed at, against a constant sky, which is met by chance."""
+    """A picture of the sky, which is aimed at, against a constant sky, which is met by chance; and a lamp that is a
+    light against one that is an item."""
     white = iso.Environment(iso.ImageTexture(np.ones((8, 16, 3), np.float32)))
     medium = iso.Medium((0.3, 0.5, 0.8), 0.05, 0.6, bounds=BOX)
     ball = [iso.Item(iso.sphere(0.4), iso.Matte(0.5))]
     camera = iso.Camera((0, 1, 6), (0, 0, 0), fov_degrees=40)
     for depth in (2, 6):
-        by_chance = _pictures(iso.Scene(ball, [iso.Sky("white")], camera, medium=medium), 128, depth)
-        aimed = _pictures(iso.Scene(ball, [white], camera, medium=medium), 128, depth)
+        by_chance = _pictures(iso.Scene(ball, [iso.Sky("white")], camera, medium=medium), 64, depth)
+        aimed = _pictures(iso.Scene(ball, [white], camera, medium=medium), 64, depth)
         _is(aimed, by_chance.mean(axis=(0, 1, 2)), least=2e-3)
-    as_light, as_item = (_pictures(_round_lamp(kind), 128, 3) for kind in (True, False))
+    as_light, as_item = (_pictures(_round_lamp(kind), 64, 3) for kind in (True, False))
     _is(as_light, as_item.mean(axis=(0, 1, 2)), least=1e-3)
 
 
 def _h_function(albedo, mu, count=64):
-    """Chandrasekhar's H for isotropic scattering, at `mu`, by iteration on Gauss nodes: 1/H = √(1−ω) + ω/2 ∫ x H/(μ+x)."""
+    """Chandrasekhar's H for isotropic scattering, at `mu`, by iteration: 1/H = √(1−ω) + ω/2 ∫ x H/(μ+x) dx."""
     nodes, weights = np.polynomial.legendre.leggauss(count)
     x, w = (nodes + 1) / 2, weights / 2
     h = np.ones(count)
@@ -133,7 +133,7 @@ def test_thick_fog_reflects_as_chandrasekhar_says():
     deep = iso.Medium(10 * albedo, 10 * (1 - albedo), bounds=[(-40, -40, -8), (40, 40, 0)])
     expected = [1 - np.sqrt(1 - a) * _h_function(a, 1.0) for a in albedo]
     scene = iso.Scene([iso.Item(iso.sphere(0.1).translate((0, 0, -20)))], [iso.Sky("white")], ALONG, medium=deep)
-    _is(_pictures(scene, 64, 400, 6), np.array(expected))
+    _is(_pictures(scene, 32, 400), np.array(expected))
 
 
 def test_glass_holds_none_of_it():

@@ -156,6 +156,13 @@ def _pictures() -> None:
     filtered.elliptical.compile()
 
 
+def _air() -> None:
+    from isophote.kernels.trace import air_rays
+
+    air_rays.scatter.compile()
+    air_rays.dim_shadows.compile()
+
+
 class _Part(NamedTuple):
     """What is compiled together: file and name of the kernel that comes last, and what compiles it."""
 
@@ -174,6 +181,7 @@ _PARTS = {
     "trees": _Part("accel/build_wide.py", "fill_blocks", _trees),
     "fields": _Part("accel/field_build.py", "split_regions", _fields),
     "primitives": _Part("primitive/surface.py", "primitive_surface", _primitives),
+    "air": _Part("trace/air_rays.py", "dim_shadows", _air),
     "materials": _Part("trace/prepare.py", "prepare", _materials),
     "textures": _Part("trace/textured.py", "colour_at", _textures),
     "pictures": _Part("texture/filtered.py", "elliptical", _pictures),
@@ -230,6 +238,8 @@ def warm_up(report: Reporter, scene: Scene, method: str, accelerator: str = "bvh
         rest.append("pictures")
     if method == "path" and may_have_light_tree(scene):
         rest.append("light tree")
+    if method == "path" and scene.medium is not None:
+        rest.append("air")
     warm_parts(report, [method], rest)
 
 

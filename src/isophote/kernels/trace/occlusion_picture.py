@@ -16,7 +16,7 @@ from isophote.kernels.trace import wave as rows
 from isophote.kernels.trace.batch import find_blocked, trace_rays
 from isophote.kernels.trace.direct import surface_of
 from isophote.kernels.trace.holes import has_holes, share_left
-from isophote.kernels.trace.samples import FIRST, Tile, develop, draw, start_paths
+from isophote.kernels.trace.samples import FIRST, Tile, are_neighbours, develop, draw, start_paths
 from isophote.kernels.trace.shading import seen_normal
 from isophote.kernels.trace.tables import FILM, PLAN, SCENE
 from isophote.kernels.trace.wave import add_radiance, row_vec3, set_row_vec3
@@ -63,11 +63,12 @@ def occlusion_tile(scene_words, plan_words, sky_words, film_words, wave_words, x
     scene, plan, sky = open_scene(scene_words), open_plan(plan_words), open_sky(sky_words)
     film, wave = open_film(film_words), open_wave(wave_words)
     tile = Tile(x0, x1, y0, y1)
-    count, place = start_paths(scene, plan, film, tile, np.int64(0), wave)
+    begun = np.int64(0)
+    count, place = start_paths(scene, plan, film, tile, begun, wave)
     while count > 0:
         if has_holes(scene):
             draw(plan, wave, count, FIRST + _HOLES, rows.PICK_U)
-        trace_rays(scene, wave, count, True)
+        trace_rays(scene, wave, count, are_neighbours(count, begun, place))
         draw(plan, wave, count, FIRST, rows.LIGHT_U)
         rays = np.int64(0)
         for i in range(count):
@@ -83,6 +84,7 @@ def occlusion_tile(scene_words, plan_words, sky_words, film_words, wave_words, x
                 add_radiance(wave, owner, vec3(left, left, left))
                 _bend(sky, wave, np.int64(wave.ints[rows.PLACE, owner]), k, left)
         develop(plan, count, wave, film)
+        begun = place
         count, place = start_paths(scene, plan, film, tile, place, wave)
 
 
