@@ -1,7 +1,7 @@
-"""Light in fog: two lamps shine through a doorway into a room that is full of haze.
+"""Light in fog: two lamps shine from above into haze, one of them through a row of bars.
 
-`Scene(medium=iso.Medium(scattering, absorption, anisotropy))` fills the air; what the lamps send through it is seen from
-the side, and shadows stand in it as shafts. Path tracing alone shows it.
+`Scene(medium=iso.Medium(scattering, absorption, anisotropy))` fills the air; what the lamps send through it is seen
+from the side, and shadows stand in it as shafts. Path tracing alone shows it.
 
     isophote render examples/fog.py -o fog.png --size 640x360 --samples 512
 """
@@ -32,7 +32,7 @@ scene = iso.Scene(
     ],
     camera=iso.Camera(eye=(0, 1.5, 7.5), target=(0, 1.45, 0), fov_degrees=32),
     name="Fog",
-    medium=iso.Medium(scattering=0.09, absorption=0.01, anisotropy=0.4, bounds=[(-4, 0, -3), (4, 4, 4)]),
+    medium=iso.Medium(scattering=0.09, absorption=0.01, anisotropy=0.4, bounds=[(-4, 0, -3), (4, 3.2, 4)]),
 )
 
 if __name__ == "__main__":
