@@ -185,17 +185,11 @@ def _survives(worth_tracing, plan, depth, carried, u):
 def _go_on(tables, worth_tracing, plan, wave, depth, i, to, met, shading, into, carried, density, inside):
     """Write the ray that goes on from a surface to wave column `to`. Returns how many were written: 1, or 0 where the
     path ends."""
+    floats, ints = wave.floats, wave.ints
     surface, hit, direction = met
+    factor = _survives(worth_tracing, plan, depth, carried, floats[rows.PICK_V, i])
     carry_cone(tables, plan, wave, i, to, surface, hit, direction, into, density)
     start = offset_point(surface.place, surface.normal, surface.error, into)
-    return _go_on_from(start, worth_tracing, plan, wave, depth, i, to, shading, into, carried, density, inside)
-
-
-@device
-def _go_on_from(start, worth_tracing, plan, wave, depth, i, to, shading, into, carried, density, inside):
-    """As _go_on, from a place, the ray's cone apart."""
-    floats, ints = wave.floats, wave.ints
-    factor = _survives(worth_tracing, plan, depth, carried, floats[rows.PICK_V, i])
     # Written whether the path lives or not, as in _aim.
     set_row_vec3(floats, rows.ORIGIN, to, start)
     set_row_vec3(floats, rows.DIRECTION, to, into)
@@ -216,12 +210,21 @@ def _go_on_in_air(worth_tracing, plan, wave, depth, i, to, inside):
     """As _go_on, where the air has scattered the ray."""
     if depth == plan.max_depth:
         return np.int64(0)
-    floats = wave.floats
-    start, into = row_vec3(floats, rows.ORIGIN, i), row_vec3(floats, rows.DIRECTION, i)
-    carried, density = row_vec3(floats, rows.CARRIED, i), floats[rows.DENSITY, i]
-    floats[rows.WIDTH, to], floats[rows.SPREAD, to] = floats[rows.WIDTH, i], floats[rows.SPREAD, i]
-    nowhere = vec3(_ZERO, _ZERO, _ZERO)
-    return _go_on_from(start, worth_tracing, plan, wave, depth, i, to, nowhere, into, carried, density, inside)
+    floats, ints = wave.floats, wave.ints
+    carried = row_vec3(floats, rows.CARRIED, i)
+    factor = _survives(worth_tracing, plan, depth, carried, floats[rows.PICK_V, i])
+    # Rows of three, and then those of one.
+    for row in (rows.ORIGIN, rows.DIRECTION):
+        set_row_vec3(floats, row, to, row_vec3(floats, row, i))
+    for row in (rows.DENSITY, rows.WIDTH, rows.SPREAD):
+        floats[row, to] = floats[row, i]
+    for row in (rows.PIXEL, rows.SAMPLE, rows.OWNER):
+        ints[row, to] = ints[row, i]
+    set_row_vec3(floats, rows.CARRIED, to, carried * factor)
+    set_row_vec3(floats, rows.FROM_NORMAL, to, vec3(_ZERO, _ZERO, _ZERO))
+    floats[rows.HIT_T, to] = _FAR
+    wave.longs[rows.INSIDE, to] = inside
+    return np.int64(factor * maximum_component(carried) > _ZERO)
 
 
 @device
