@@ -27,6 +27,7 @@ from isophote.rendering.film import Film
 from isophote.rendering.method import Job, Size
 from isophote.rendering.pool import Tile
 from isophote.scene.material import Glass
+from isophote.scene.relief import unturned
 from isophote.scene.scene import Scene
 
 __all__ = ["Exposure", "Moment", "expose", "over_moments", "shutter_times"]
@@ -64,7 +65,7 @@ def expose(job: Job, accelerator: str = "bvh") -> Exposure:
     opened, closed = job.scene.shutter
     times = shutter_times(job.scene, _moments(job.scene, job.size), job.seed)
     *lowered, middle = lower_moments(job.scene, job.size, [*times, opened / 2 + closed / 2], job.threads, accelerator)
-    if not any(isinstance(item.material, Glass) for item in job.scene.items):
+    if not any(isinstance(unturned(item.material), Glass) for item in job.scene.items):
         return Exposure([Moment(tables, 0) for tables in lowered], middle)
     around_at = (media_around(job.scene.still(time), job.threads) for time in times)
     pairs = zip(lowered, around_at, strict=True)
