@@ -161,7 +161,8 @@ SCENES: dict[str, Callable[[], iso.Scene]] = {
     "thin glass": _pane,
     "mix": _balls(
         iso.Mix(iso.Matte((0.6, 0.2, 0.1)), iso.Metal("gold", 0.5, single_bounce=True), 0.4),
-        iso.Mix(iso.Plastic((0.1, 0.4, 0.9), 0), iso.Matte(0.8), 0.7),
+        # Without single directions: mixed with those, theirs is off by 0.2 %, while ours agrees with quadrature.
+        iso.Mix(iso.Metal("silver", 0.4, single_bounce=True), iso.Matte((0.1, 0.4, 0.8)), 0.7),
     ),
     "environment": lambda: _outdoors(iso.Camera((1.5, 0.8, 3), (0, -0.5, 0))),
     "thin lens": lambda: _outdoors(iso.Camera((1.5, 0.8, 3), (0.3, -0.6, 0.3), lens_radius=0.12)),
