@@ -21,7 +21,7 @@ import numpy as np
 
 from isophote.kernels.accel.surface import MATERIAL
 from isophote.kernels.base.entry import call_entry, element_address, table_address
-from isophote.kernels.base.jit import device
+from isophote.kernels.base.jit import device, exact_apart
 from isophote.kernels.base.vec import cross, dot, length, vec3
 from isophote.kernels.base.warp import INV_PI
 from isophote.kernels.brdf import contract
@@ -112,12 +112,9 @@ def _turned(scene, surface, hit, direction, into, width, spread, scratch):
     return (eta * cosine * spread + (eta * cosine - after) * bend) / math.sqrt(max(cosine * after, _LEAST_SINE))
 
 
-@device
-def leaving_cone(scene, plan, wave, i, surface, hit, direction, into, density):
-    """(half-width, spread) of the cone that goes on to `into` where that in wave column `i` met a surface; `density` is
-    that of the scattering, 0 where it is smooth."""
-    if scene.textures.nodes.rows == 0:
-        return _ZERO, _ZERO
+@exact_apart
+def _leaving(scene, plan, wave, i, surface, hit, direction, into, density):
+    """What `leaving_cone` tells where there are textures. Apart, so that tiles without have nothing of it."""
     spread = wave.floats[rows.SPREAD, i]
     width = wave.floats[rows.WIDTH, i] + hit.t * spread
     if density == _ZERO:
@@ -127,8 +124,17 @@ def leaving_cone(scene, plan, wave, i, surface, hit, direction, into, density):
 
 
 @device
+def leaving_cone(scene, plan, wave, i, surface, hit, direction, into, density):
+    """(half-width, spread) of the cone that goes on to `into` where that in wave column `i` met a surface; `density` is
+    that of the scattering, 0 where it is smooth."""
+    if scene.textures.nodes.rows == 0:
+        return _ZERO, _ZERO
+    return _leaving(scene, plan, wave, i, surface, hit, direction, into, density)
+
+
+@device
 def carry_cone(scene, plan, wave, i, to, surface, hit, direction, into, density):
     """Let the cone in wave column `i` go on in column `to`."""
     if scene.textures.nodes.rows > 0:
-        width, spread = leaving_cone(scene, plan, wave, i, surface, hit, direction, into, density)
+        width, spread = _leaving(scene, plan, wave, i, surface, hit, direction, into, density)
         wave.floats[rows.WIDTH, to], wave.floats[rows.SPREAD, to] = width, spread

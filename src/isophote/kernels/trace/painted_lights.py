@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from isophote.kernels.base.entry import call_entry, element_address, entry, floats_at, opener_at, table_address
-from isophote.kernels.base.jit import device
+from isophote.kernels.base.jit import device, exact_apart
 from isophote.kernels.base.vec import cross, dot, load_vec3, store_vec3, vec3
 from isophote.kernels.brdf import contract
 from isophote.kernels.texture import contract as texture
@@ -22,6 +22,13 @@ _OWN = np.int64(6)
 _scene_at = opener_at(SCENE)
 
 
+@exact_apart
+def _ask(scene, k, place, scratch):
+    store_vec3(scratch, _RECORD + texture.WORLD, place)
+    call_entry(scene.lights.tint, (table_address(scene), element_address(scratch, _START), np.int64(k)))
+    return load_vec3(scratch, _RECORD + texture.RESULT)
+
+
 @device
 def tint_of_light(scene, k, place, scratch):
     """What the texture of light `k` says of a place on it, white without one. The record that textures are asked with,
@@ -29,9 +36,7 @@ def tint_of_light(scene, k, place, scratch):
     lights = scene.lights
     if lights.painted.rows == 0 or lights.painted[k] < 0:
         return vec3(_ONE, _ONE, _ONE)
-    store_vec3(scratch, _RECORD + texture.WORLD, place)
-    call_entry(lights.tint, (table_address(scene), element_address(scratch, _START), np.int64(k)))
-    return load_vec3(scratch, _RECORD + texture.RESULT)
+    return _ask(scene, k, place, scratch)
 
 
 @device

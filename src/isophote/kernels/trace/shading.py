@@ -6,7 +6,7 @@ import numpy as np
 
 from isophote.kernels.accel.surface import MATERIAL
 from isophote.kernels.base.entry import call_entry, element_address, table_address
-from isophote.kernels.base.jit import device
+from isophote.kernels.base.jit import device, exact_apart
 from isophote.kernels.base.simd import store_int
 from isophote.kernels.base.vec import dot, load_vec3, reflect, store_vec3, vec3
 from isophote.kernels.brdf import contract
@@ -36,7 +36,7 @@ def write_surface(scene, surface, hit, direction, radius, scratch):
     store_int(scratch, contract.MATERIAL, np.int32(scene.surfaces.items[surface.item, MATERIAL]))
 
 
-@device
+@exact_apart
 def _texture_colour(scene, surface, hit, direction, radius, scratch, node):
     write_surface(scene, surface, hit, direction, radius, scratch)
     call_entry(scene.textures.colour, (table_address(scene), element_address(scratch, _START), node))
