@@ -182,13 +182,11 @@ def _survives(worth_tracing, plan, depth, carried, u):
 
 
 @device
-def _go_on(tables, worth_tracing, plan, wave, depth, i, to, met, shading, into, carried, density, inside):
+def _go_on(tables, worth_tracing, plan, wave, depth, i, to, surface, shading, into, carried, density, inside):
     """Write the ray that goes on from a surface to wave column `to`. Returns how many were written: 1, or 0 where the
     path ends."""
     floats, ints = wave.floats, wave.ints
-    surface, hit, direction = met
     factor = _survives(worth_tracing, plan, depth, carried, floats[rows.PICK_V, i])
-    carry_cone(tables, plan, wave, i, to, surface, hit, direction, into, density)
     start = offset_point(surface.place, surface.normal, surface.error, into)
     # Written whether the path lives or not, as in _aim.
     set_row_vec3(floats, rows.ORIGIN, to, start)
@@ -280,11 +278,8 @@ def _shade(tables, plan, wave, count, depth, shadows):
             add_radiance(wave, owner, carried * emitted)
         if depth == plan.max_depth or kind == BLACK:
             continue
-        met, radius, smoothly = (
-            (surface, hit, direction),
-            cone_radius(wave, i, hit.t),
-            goes_smoothly(tables, material, boundary),
-        )
+        radius, smoothly = cone_radius(wave, i, hit.t), goes_smoothly(tables, material, boundary)
+        into, density, to = direction, _ZERO, alive
         # What is called by address looks its textures up by itself.
         colour = carried
         if kind != LINKED or smoothly:
@@ -297,13 +292,15 @@ def _shade(tables, plan, wave, count, depth, shadows):
             if dot(into, surface.normal) * dot(direction, surface.normal) < _ZERO:
                 carried = carried * colour
                 alive += _go_on(
-                    tables, worth, plan, wave, depth, i, alive, met, shading, into, carried, density, inside
+                    tables, worth, plan, wave, depth, i, alive, surface, shading, into, carried, density, inside
                 )
         elif smoothly:
             u = floats[rows.PICK_U, i]
             into, weight, inside = _cross_glass(tables.media, surface, direction, boundary, inside, colour, u)
             carried = carried * weight
-            alive += _go_on(tables, worth, plan, wave, depth, i, alive, met, direction, into, carried, _ZERO, inside)
+            alive += _go_on(
+                tables, worth, plan, wave, depth, i, alive, surface, direction, into, carried, _ZERO, inside
+            )
         elif kind == LINKED:
             prepare_linked(tables, surface, hit, direction, radius, wave.scratch)
             set_relative_index(tables, material, boundary, dot(direction, surface.normal) < _ZERO, wave.scratch)
@@ -314,11 +311,15 @@ def _shade(tables, plan, wave, count, depth, shadows):
             into, weight, density = sample_linked(tables, surface, x, y, floats[rows.PICK_U, i], wave.scratch)
             inside = boundary.inside if dot(into, surface.normal) * dot(direction, surface.normal) > _ZERO else inside
             carried = carried * weight
-            alive += _go_on(tables, worth, plan, wave, depth, i, alive, met, lit, into, carried, density, inside)
+            alive += _go_on(tables, worth, plan, wave, depth, i, alive, surface, lit, into, carried, density, inside)
         else:
             into = mirror_ray(surface, direction)
             carried = carried * colour
-            alive += _go_on(tables, worth, plan, wave, depth, i, alive, met, direction, into, carried, _ZERO, inside)
+            alive += _go_on(
+                tables, worth, plan, wave, depth, i, alive, surface, direction, into, carried, _ZERO, inside
+            )
+        if alive > to:
+            carry_cone(tables, plan, wave, i, to, surface, hit, direction, into, density)
     return alive, shadows
 
 
