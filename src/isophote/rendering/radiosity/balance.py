@@ -43,6 +43,10 @@ class Balance:
         """(n, 3): irradiance at places on leaves."""
         return self._expansion.at_places(light, nodes, places)
 
+    def near_sources(self, leaves: Numbers) -> tuple[Numbers, Numbers]:
+        """What is near each of the leaves and sends light there: rows of `leaves`, and for each the node."""
+        return self._expansion.near_sources(leaves)
+
     def pulled(self, light: Points) -> Points:
         """`light` (n, 3) of the leaves, and means of it for all nodes above, by the areas that lie within no solid."""
         tree = self._tree

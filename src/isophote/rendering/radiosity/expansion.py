@@ -125,6 +125,13 @@ class Expansion:
         self._over_nodes(far, self._count, _NODES_A_JOB)
         self._over_nodes(close, self._count, _NODES_A_JOB)
 
+    def near_sources(self, leaves: Numbers) -> tuple[Numbers, Numbers]:
+        """Sources of the near entries of some leaves: rows of `leaves`, and for each the node."""
+        first, counts = self._near_starts[leaves], np.diff(self._near_starts)[leaves]
+        owner = np.repeat(np.arange(len(leaves)), counts)
+        within = np.arange(len(owner)) - np.repeat(np.cumsum(counts) - counts, counts)
+        return owner, self._near_sources[first[owner] + within].astype(np.int64)
+
     def _fields(self, light: Points) -> Points:
         """(nodes, 6, 3): polynomials of the irradiance over all nodes, from what is far of each."""
         fields = np.zeros((self._count, _TERMS, 3))

@@ -16,8 +16,9 @@ from isophote.lower.field_table import scratch_words
 from isophote.progress import Reporter
 from isophote.rendering.pool import Pool
 from isophote.rendering.radiosity.balance import Balance, change_of
+from isophote.rendering.radiosity.cutting import cut_by_irradiance
 from isophote.rendering.radiosity.links import Limits, Links, level
-from isophote.rendering.radiosity.tree import PatchTree, quarter_centres
+from isophote.rendering.radiosity.tree import PatchTree
 
 __all__ = ["Settled", "direct_irradiance", "settle"]
 
@@ -141,7 +142,7 @@ def settle(
         direct.complete()
         balance = Balance(tree, links, threads)
         bounces, residuals = _bounce(balance, tree, direct.values, 1e-2, report)
-        while _cut_by_irradiance(tree, balance, bounces[-1], error * mean * factor, patch):
+        while cut_by_irradiance(tree, balance, bounces[-1], error * mean * factor, patch):
             direct.complete()
             balance = Balance(tree, links, threads)
             bounces, residuals = _bounce(balance, tree, direct.values, 1e-2, report)
@@ -151,21 +152,6 @@ def settle(
     balance = Balance(tree, links, threads, level(light))
     bounces, residuals = _bounce(balance, tree, direct.values, residual, report)
     return Settled(tree, balance, direct.values, tuple(bounces), tuple(residuals), len(links), sums)
-
-
-def _cut_by_irradiance(tree: PatchTree, balance: Balance, light: Points, allowed: float, patch: float) -> bool:
-    """Cut leaves over which light that is reflected changes by more than `allowed`. Returns whether there were any."""
-    leaves = tree.leaves[tree.edges[tree.leaves] >= 2 * patch]
-    leaves = leaves[level(tree.albedo[leaves]) > 0]
-    if len(leaves) == 0:
-        return False
-    places = quarter_centres(tree.corners[leaves], tree.sides[leaves])
-    arriving = balance.at_places(light, np.repeat(leaves, 4), places.reshape(-1, 3)).mean(axis=1).reshape(-1, 4)
-    # Half of what quarters differ by is how far they are off the mean.
-    spread = (arriving.max(axis=1) - arriving.min(axis=1)) / 2 * level(tree.albedo[leaves])
-    poor = leaves[spread > allowed]
-    tree.cut(poor)
-    return len(poor) > 0
 
 
 def _expected_mean(tree: PatchTree, direct: Points) -> float:

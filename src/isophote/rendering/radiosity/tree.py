@@ -13,7 +13,7 @@ from isophote.rendering.radiosity.clusters import Groups, grouped, measured
 from isophote.rendering.radiosity.coverage import Coverage
 from isophote.rendering.radiosity.faces import Around, Faces, looked_up
 
-__all__ = ["PatchTree", "on_patches", "quarter_centres"]
+__all__ = ["PatchTree", "on_patches"]
 
 Points: TypeAlias = npt.NDArray[np.float64]
 Numbers: TypeAlias = npt.NDArray[np.int64]
@@ -269,11 +269,6 @@ def _quarters(rows: Points, sides: npt.NDArray[np.uint8]) -> Points:
     four, three = (np.stack([np.stack(part, axis=1) for part in parts], axis=1) for parts in (quads, triangles))
     chosen: Points = np.where((sides == 3)[:, None, None, None], three, four)
     return chosen.reshape(-1, *rows.shape[1:])
-
-
-def quarter_centres(corners: Points, sides: npt.NDArray[np.uint8]) -> Points:
-    """(n, 4, 3): centres of the four parts that each patch would be cut into."""
-    return _measured(_quarters(corners, sides), np.repeat(sides, _WIDTH))[0].reshape(-1, _WIDTH, 3)
 
 
 def _measured(corners: Points, sides: npt.NDArray[np.uint8]) -> tuple[Points, Points, Points]:

@@ -1,0 +1,70 @@
+"""Which patches are too large for how light falls on them."""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from isophote.rendering.radiosity.balance import Balance
+from isophote.rendering.radiosity.links import level
+from isophote.rendering.radiosity.tree import PatchTree, on_patches
+
+__all__ = ["cut_by_irradiance"]
+
+Points: TypeAlias = npt.NDArray[np.float64]
+Numbers: TypeAlias = npt.NDArray[np.int64]
+Flags: TypeAlias = npt.NDArray[np.bool_]
+
+# Light is looked at in the middles of 3 × 3 parts. Four would lie alike about a lamp over the middle of a patch.
+_GRID = 3
+_PLACES = _GRID * _GRID
+# From their outermost, light that changes evenly changes by so much more than from the middles of quarters, by half of
+# which these are off the mean.
+_HALF_OF_QUARTERS = 0.5 * 0.5 * _GRID / (_GRID - 1)
+# Where a lamp may be so many times as bright as anywhere that was looked at, there is a peak between.
+_PEAK = 2.0
+
+
+def cut_by_irradiance(tree: PatchTree, balance: Balance, light: Points, allowed: float, patch: float) -> bool:
+    """Cut leaves over which light that is reflected changes by more than `allowed`, while `light` (nodes, 3) leaves all
+    nodes. Returns whether there were any."""
+    leaves = tree.leaves[tree.edges[tree.leaves] >= 2 * patch]
+    leaves = leaves[level(tree.albedo[leaves]) > 0]
+    if len(leaves) == 0:
+        return False
+    arriving, dull = _at_middles(tree, balance, light, leaves), level(tree.albedo[leaves])
+    brightest = arriving.max(axis=1)
+    poor = (brightest - arriving.min(axis=1)) * _HALF_OF_QUARTERS * dull > allowed
+    poor |= _has_peak(tree, balance, light, leaves, np.maximum(_PEAK * brightest, allowed / dull))
+    tree.cut(leaves[poor])
+    return bool(poor.any())
+
+
+def _at_middles(tree: PatchTree, balance: Balance, light: Points, leaves: Numbers) -> Points:
+    """(n, 9): what arrives in the middles of nine parts of each leaf."""
+    corners, sides = tree.corners[leaves], tree.sides[leaves]
+    steps = (np.arange(_GRID) + 0.5) / _GRID
+    places = np.stack([on_patches(corners, sides, a, b) for a in steps for b in steps], axis=1)
+    found = balance.at_places(light, np.repeat(leaves, _PLACES), places.reshape(-1, 3))
+    middles: Points = level(found).reshape(-1, _PLACES)
+    return middles
+
+
+def _has_peak(tree: PatchTree, balance: Balance, light: Points, leaves: Numbers, least: Points) -> Flags:
+    """(n,): whether lamps that are small beside a leaf, and near, may send more than `least` (n,) to a place on it."""
+    owner, source = balance.near_sources(leaves)
+    shines = level(tree.emission[source]) > 0
+    owner, source = owner[shines], source[shines]
+    leaf = leaves[owner]
+    way = tree.centres[source] - tree.centres[leaf]
+    height = (way * tree.normals[leaf]).sum(axis=1)
+    aside = np.sqrt(np.maximum((way**2).sum(axis=1) - height**2, 0.0))
+    near = np.hypot(height, np.maximum(aside - tree.radii[leaf], 0.0))
+    reach = np.maximum(near, tree.radii[source])
+    # Seen from so far, and straight on; a place sees half of all directions at most.
+    most = level(light[source]) * np.minimum(1.0, tree.areas[source] / (np.pi * reach**2))
+    found = np.zeros(len(leaves), np.bool_)
+    found[owner[(most > least[owner]) & (2 * reach < tree.edges[leaf])]] = True
+    return found
