@@ -23,7 +23,7 @@ from isophote.checks import (
     scatter,
 )
 from isophote.checks.check import Check, Effort, Measured, mean_of
-from isophote.checks.materials import MATERIALS, material_of
+from isophote.checks.materials import MATERIALS, WHITE_PLACES, material_of
 from isophote.checks.report import Finding
 from isophote.checks.run import TOPICS
 from isophote.cli import selfcheck as verb
@@ -43,7 +43,7 @@ def kinds(base: type) -> set[type]:
 
 
 def test_every_kind_of_material_is_checked() -> None:
-    checked = {type(material_of(name)) for name in MATERIALS}
+    checked = {type(material_of(name)) for name in MATERIALS} | {type(one) for one in WHITE_PLACES.values()}
     ours = {kind for kind in kinds(iso.Material) if kind.__module__.startswith("isophote.")}
     # What shines reflects as its body does.
     assert ours - checked == {iso.Emitter}

@@ -7,13 +7,17 @@ from functools import cache
 from isophote.lower.probe import Probe
 from isophote.rendering.reflectance_table import measure_brdf
 from isophote.scene.compound import Coated, Mix, Plastic
+from isophote.scene.cutout import Cutout
 from isophote.scene.gloss import AshikhminShirley, Blinn, OrenNayar, Phong, Ward
 from isophote.scene.material import Glass, Matte, Mirror, Principled
 from isophote.scene.material_base import Material
 from isophote.scene.metal import Metal
+from isophote.scene.noise import PerlinNoise
+from isophote.scene.patterns import Checker
+from isophote.scene.relief import Bump, NormalMap
 from isophote.scene.thin_glass import ThinGlass
 
-__all__ = ["MATERIALS", "WHITE", "WHITE_INDEX", "material_of", "probe_of"]
+__all__ = ["MATERIALS", "WHITE", "WHITE_INDEX", "WHITE_PLACES", "material_of", "probe_of"]
 
 # n and k of a metal that reflects everything.
 WHITE_INDEX = (1e-4, 1e3)
@@ -58,6 +62,13 @@ WHITE: dict[str, Material] = {
     "Principled, dielectric": Principled(1.0, 0.0, 0.5),
     "Principled, half metal": Principled(1.0, 0.4, 0.3),
     "Principled, metal": Principled(1.0, 1.0, 0.7),
+}
+
+# Those that differ from place to place on a body, so that only pictures tell; they give back all light, too.
+WHITE_PLACES: dict[str, Material] = {
+    "Cutout": Cutout(Matte(1.0), 0.6),
+    "NormalMap": NormalMap(Matte(1.0), Checker((0.8, 0.5, 0.9), (0.4, 0.7, 0.95), size=0.3)),
+    "Bump": Bump(Matte(1.0), PerlinNoise(size=0.3), 0.05),
 }
 
 
