@@ -46,3 +46,23 @@ def test_light_under_a_lamp_is_that_of_the_closed_form(half: float, aside: tuple
 def test_even_light_cuts_nothing() -> None:
     found = iso.radiosity(iso.Scene([floor(6.0)], lights=[iso.Sun((0, 1, 0))]), progress=False)
     assert len(found.areas) == 2
+
+
+@pytest.mark.parametrize("method", ["hierarchical", "gathering"])
+def test_painted_lamps_shine_as_their_texture_says(method: str) -> None:
+    # Half of the lamp is black, and the light below it is that of the other half.
+    halves = iso.ImageTexture(np.array([[0.0, 1.0]], np.float32), filter="nearest")
+    corners = np.array([(-0.5, HEIGHT, -0.5), (0.5, HEIGHT, -0.5), (0.5, HEIGHT, 0.5), (-0.5, HEIGHT, 0.5)])
+    uvs = iso.Attribute([(0, 0), (1, 0), (1, 1), (0, 1)])
+    whole = iso.Mesh(corners, [(0, 1, 2, 3)], attributes={"uv": uvs})
+    right = iso.Mesh(np.maximum(corners, (0, -9, -9)), [(0, 1, 2, 3)])
+    painted, plain = (
+        iso.radiosity(iso.Scene([floor(1.0), lamp]), iso.Radiosity(patch=0.125, method=method), progress=False)
+        for lamp in (
+            iso.Item(whole, iso.Emitter(1.0, texture=halves)),
+            iso.Item(right, iso.Emitter(1.0)),
+        )
+    )
+    lights = [(one.irradiance[one.item == 0] * one.areas[one.item == 0, None]).sum(axis=0) for one in (painted, plain)]
+    assert lights[1].max() > 0.1
+    np.testing.assert_allclose(lights[0], lights[1], rtol=0.01)

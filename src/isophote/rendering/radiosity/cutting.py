@@ -11,7 +11,7 @@ from isophote.rendering.radiosity.balance import Balance
 from isophote.rendering.radiosity.links import level
 from isophote.rendering.radiosity.tree import PatchTree, on_patches
 
-__all__ = ["cut_by_irradiance"]
+__all__ = ["cut_by_irradiance", "cut_painted_lamps"]
 
 Points: TypeAlias = npt.NDArray[np.float64]
 Numbers: TypeAlias = npt.NDArray[np.int64]
@@ -40,6 +40,17 @@ def cut_by_irradiance(tree: PatchTree, balance: Balance, light: Points, allowed:
     poor |= _has_peak(tree, balance, light, leaves, np.maximum(_PEAK * brightest, allowed / dull))
     tree.cut(leaves[poor])
     return bool(poor.any())
+
+
+def cut_painted_lamps(tree: PatchTree, patch: float) -> None:
+    """Cut patches that shine by a texture as far as `patch` allows: what a texture does within them nobody knows."""
+    while True:
+        leaves = tree.leaves[tree.edges[tree.leaves] >= 2 * patch]
+        faces = tree.face[leaves]
+        shining = (tree.faces.glow[faces] >= 0) & (level(tree.faces.emission[faces]) > 0)
+        if not shining.any():
+            return
+        tree.cut(leaves[shining])
 
 
 def _at_middles(tree: PatchTree, balance: Balance, light: Points, leaves: Numbers) -> Points:

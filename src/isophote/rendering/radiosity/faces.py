@@ -16,7 +16,7 @@ from isophote.convert.triangulate import triangulate
 from isophote.errors import IsophoteWarning, RenderError
 from isophote.lower.displaced import displaced
 from isophote.lower.lights import rectangle_mesh
-from isophote.lower.materials import emission_of
+from isophote.lower.materials import emission_of, emission_texture_of
 from isophote.lower.texture_probe import texture_values
 from isophote.scene.cutout import Cutout
 from isophote.scene.light import RectLight
@@ -53,10 +53,11 @@ class Faces:
     """n triangles and parallelograms, each with one side that sends and receives light.
 
     `corners` (n, 4, 3), the last of a triangle's unused, counterclockwise as seen from the side; `sides` (n,) 3 or 4;
-    `normals` (n, 3); `uvs` (n, 4, 2); `albedo`, `emission` (n, 3), the latter π times the radiance; `texture` (n,): row
-    of `textures` that multiplies the albedo, or −1; `item`, `primitive` (n,): what they are part of; `side` (n,): 1
-    behind a surface, else 0; `smooth` (n,): whether light is blended with that of neighbours that lie in other planes;
-    `meshes`: the meshes that block light, placed in the world, `solid`: which of them are closed and turned outward.
+    `normals` (n, 3); `uvs` (n, 4, 2); `albedo`, `emission` (n, 3), the latter π times the radiance; `texture`, `glow`
+    (n,): rows of `textures` that multiply the albedo and the emission, or −1; `item`, `primitive` (n,): what they are
+    part of; `side` (n,): 1 behind a surface, else 0; `smooth` (n,): whether light is blended with that of neighbours
+    that lie in other planes; `meshes`: the meshes that block light, placed in the world, `solid`: which of them are
+    closed and turned outward.
     """
 
     corners: Points
@@ -66,6 +67,7 @@ class Faces:
     albedo: Points
     emission: Points
     texture: npt.NDArray[np.int64]
+    glow: npt.NDArray[np.int64]
     item: npt.NDArray[np.int64]
     primitive: npt.NDArray[np.int64]
     side: npt.NDArray[np.int64]
@@ -89,6 +91,7 @@ class _Surface:
         radiance, self.shines_behind = emission_of(material)
         self.albedo, self.emission = np.zeros(3), np.pi * np.array(radiance)
         self.texture: Texture | None = None
+        self.glow = emission_texture_of(material)
         if isinstance(material, Cutout):
             material = material.material
         if isinstance(material, Emitter):
@@ -168,10 +171,7 @@ def _add(
     real = length > 0
     corners, uvs, sides, primitive = corners[real], uvs[real], sides[real], primitive[real]
     normals = normals[real] / length[real, None]
-    texture = -1
-    if surface.texture is not None:
-        texture = len(textures)
-        textures.append(Painted(surface.texture, np.asarray(np.linalg.inv(matrix), np.float64)))
+    texture, glow = (_painted(textures, one, matrix) for one in (surface.texture, surface.glow))
     report = topology(mesh)
     solid = report.closed and report.oriented and _volume(mesh) > 0
     count = len(sides)
@@ -189,6 +189,7 @@ def _add(
                 "albedo": np.tile(surface.albedo, (count, 1)),
                 "emission": np.tile(emission, (count, 1)),
                 "texture": np.full(count, texture, np.int64),
+                "glow": np.full(count, glow, np.int64),
                 "item": np.full(count, number, np.int64),
                 "primitive": primitive,
                 "side": np.full(count, int(behind)),
@@ -196,6 +197,14 @@ def _add(
             }
         )
     return bool(solid)
+
+
+def _painted(textures: list[Painted], texture: Texture | None, matrix: Points) -> int:
+    """Row of a texture on a shape that a matrix places, or −1."""
+    if texture is None:
+        return -1
+    textures.append(Painted(texture, np.asarray(np.linalg.inv(matrix), np.float64)))
+    return len(textures) - 1
 
 
 def _volume(mesh: Mesh) -> float:

@@ -16,7 +16,7 @@ from isophote.lower.field_table import scratch_words
 from isophote.progress import Reporter
 from isophote.rendering.pool import Pool
 from isophote.rendering.radiosity.balance import Balance, change_of
-from isophote.rendering.radiosity.cutting import cut_by_irradiance
+from isophote.rendering.radiosity.cutting import cut_by_irradiance, cut_painted_lamps
 from isophote.rendering.radiosity.links import Limits, Links, level
 from isophote.rendering.radiosity.tree import PatchTree
 
@@ -123,6 +123,7 @@ def settle(
     Sources: Hanrahan, Salzman, Aupperle, "A Rapid Hierarchical Radiosity Algorithm", SIGGRAPH 1991; clusters: Smits,
     Arvo, Greenberg, "A Clustering Algorithm for Radiosity in Complex Environments", SIGGRAPH 1994.
     """
+    cut_painted_lamps(tree, patch)
     direct = _Direct(scene, tree, threads)
     direct.complete()
     mean = _expected_mean(tree, direct.values)

@@ -54,10 +54,10 @@ class PatchTree:
         self.first_child = np.full(count, -1, np.int64)
         self.children = np.zeros(count, np.int64)
         self.depth = np.zeros(count, np.int64)
-        self.emission = faces.emission[order]
+        self.emission, self.albedo = np.zeros((count, 3)), np.zeros((count, 3))
         self.centres, self.areas, self.radii = _measured(self.corners, self.sides)
         self.axes, self.flat = _half_edges(self.corners, self.sides), np.ones(count, np.uint8)
-        self.albedo = self._albedo(np.arange(count))
+        self._paint(np.arange(count))
         self.span = np.stack([np.arange(count), np.arange(1, count + 1)], axis=1)
         self._shares = np.concatenate([[0.0], np.cumsum(self.areas)])[:, None]
         self._faces = count
@@ -142,7 +142,7 @@ class PatchTree:
         )
         made = np.arange(first, len(self))
         self._cover(made)
-        self.albedo[made] = self._albedo(made)
+        self._paint(made)
 
     def _cover(self, nodes: Numbers) -> None:
         """Find what of patches lies within solids."""
@@ -157,22 +157,27 @@ class PatchTree:
             old = getattr(self, name)
             setattr(self, name, np.concatenate([old, rows.astype(old.dtype, copy=False)]))
 
-    def _albedo(self, nodes: Numbers) -> Points:
-        """(n, 3): mean albedo of patches."""
-        faces = self.face[nodes]
-        albedo: Points = self.faces.albedo[faces].copy()
-        textured = np.flatnonzero(self.faces.texture[faces] >= 0)
+    def _paint(self, nodes: Numbers) -> None:
+        """Write mean albedo and emission of patches."""
+        face, faces = self.face[nodes], self.faces
+        self.albedo[nodes] = self._tinted(nodes, faces.albedo[face], faces.texture[face])
+        self.emission[nodes] = self._tinted(nodes, faces.emission[face], faces.glow[face])
+
+    def _tinted(self, nodes: Numbers, values: Points, texture: Numbers) -> Points:
+        """(n, 3): `values` of patches, times the mean of the `texture` on each, if that is not −1."""
+        textured = np.flatnonzero(texture >= 0)
         if len(textured) == 0:
-            return albedo
+            return values
         chosen, total = nodes[textured], np.zeros((len(textured), 3))
         sides = self.sides[chosen]
         for i in range(_PLACES):
             for j in range(_PLACES):
                 a, b = (i + 0.5) / _PLACES, (j + 0.5) / _PLACES
                 uvs, places = _around(self.uvs[chosen], sides, a, b), _around(self.corners[chosen], sides, a, b)
-                total += looked_up(self.faces.textures, self.faces.texture[faces[textured]], uvs, places)
-        albedo[textured] *= total / _PLACES**2
-        return albedo
+                total += looked_up(self.faces.textures, texture[textured], uvs, places)
+        tinted = values.copy()
+        tinted[textured] *= total / _PLACES**2
+        return tinted
 
     def _cluster(self, groups: Groups) -> None:
         """Groups of faces above the faces, all under one root."""
