@@ -32,11 +32,11 @@ def _reason(scene: Scene) -> str:
             "or let iso.studio(scene) do so"
         )
     kinds = [type(light).__name__ for light in scene.lights]
-    named = ", ".join(f"lights[{k}], a {kind}" for k, kind in enumerate(kinds[:_MOST_NAMED]))
+    named = ", ".join(f"lights[{k}] ({kind})" for k, kind in enumerate(kinds[:_MOST_NAMED]))
     rest = f" and {len(kinds) - _MOST_NAMED} more" if len(kinds) > _MOST_NAMED else ""
     return (
-        f"nothing in the scene shines, so all of it is black: {named}{rest} have a power, a strength or a colour of 0, "
-        "and no material emits; give one of them more, or leave the lights out to have those of iso.studio"
+        f"nothing in the scene shines, so all of it is black: power, strength or colour is 0 of {named}{rest}, and "
+        "no material emits; give one of them more, or leave the lights out to have those of iso.studio"
     )
 
 
