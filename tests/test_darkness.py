@@ -37,7 +37,8 @@ def render(items: list[iso.Item], lights: list[object], method: object = METHODS
 
 @pytest.mark.parametrize("name", DARK)
 def test_a_scene_whose_lights_are_dark_is_told_once(name):
-    with pytest.warns(iso.IsophoteWarning, match=r"nothing in the scene shines.*is 0 of lights\[0\] \(\w+\), and") as caught:
+    reason = r"nothing in the scene shines.*is 0 of lights\[0\] \(\w+\), and"
+    with pytest.warns(iso.IsophoteWarning, match=reason) as caught:
         image = render(ITEMS, [DARK[name]])
     assert len(caught) == 1
     assert image.channels["colour"].max() == 0
