@@ -144,6 +144,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--elements", type=int, nargs="+", default=[1000, 10_000, 100_000])
     parser.add_argument("--seeds", type=int, default=6)
     options = parser.parse_args(arguments)
+    if options.seeds < 2:
+        parser.error("--seeds needs 2 or more: what they differ by is the noise of the reference")
     print_machine()
     if "mitsuba" in options.only:
         compare_with_mitsuba(options.size, options.samples)

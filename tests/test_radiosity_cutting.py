@@ -43,6 +43,18 @@ def test_light_under_a_lamp_is_that_of_the_closed_form(half: float, aside: tuple
     np.testing.assert_allclose(found.irradiance[lit, 0][bright], exact[bright], rtol=0.02)
 
 
+@pytest.mark.parametrize("aside", [(0.0, 0.0), (7.3, -11.1)])
+def test_small_lamps_over_wide_floors_are_followed_by_default(aside: tuple[float, float]) -> None:
+    # A hundredth of this floor is longer than the spot of light on it.
+    lamp = iso.RectLight(size=(0.2, 0.2), radiance=(1, 1, 1)).at((aside[0], 0.5, aside[1]))
+    found = iso.radiosity(iso.Scene([floor(50.0)], lights=[lamp]), progress=False)
+    arriving = (found.irradiance[:, 0] * found.areas)[found.item == 0].sum()
+    # All of the lamp's light but what goes past the rim.
+    assert arriving == pytest.approx(np.pi * 0.2**2, rel=0.01)
+    # Below the lamp it is 0.1519; a patch of a hundredth of the diagonal would have 0.02 at most.
+    assert 0.12 < found.irradiance[:, 0].max() < 0.1519
+
+
 def test_even_light_cuts_nothing() -> None:
     found = iso.radiosity(iso.Scene([floor(6.0)], lights=[iso.Sun((0, 1, 0))]), progress=False)
     assert len(found.areas) == 2

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -25,19 +25,42 @@ _PLACES = _GRID * _GRID
 _HALF_OF_QUARTERS = 0.5 * 0.5 * _GRID / (_GRID - 1)
 # Where a lamp may be so many times as bright as anywhere that was looked at, there is a peak between.
 _PEAK = 2.0
+# Patches under lamps have edges of such a part of how near these are, and are so much finer than others at most.
+_PARTS, _FINER = 8.0, 32.0
 
 
-def cut_by_irradiance(tree: PatchTree, balance: Balance, light: Points, allowed: float, patch: float) -> bool:
+class _Lamps(NamedTuple):
+    """Pairs of a leaf, by its row, and a node that shines: how near that may be to a place on the leaf, or its radius
+    where that is more."""
+
+    owner: Numbers
+    source: Numbers
+    reach: Points
+
+
+def cut_by_irradiance(
+    tree: PatchTree, balance: Balance, light: Points, allowed: float, patch: float, *, follow_lamps: bool
+) -> bool:
     """Cut leaves over which light that is reflected changes by more than `allowed`, while `light` (nodes, 3) leaves all
-    nodes. Returns whether there were any."""
-    leaves = tree.leaves[tree.edges[tree.leaves] >= 2 * patch]
+    nodes. Edges do not get shorter than `patch`, or, to `follow_lamps`, an eighth of how near a lamp is where that is
+    less. Returns whether any were cut."""
+    shortest = patch / _FINER if follow_lamps else patch
+    leaves = tree.leaves[tree.edges[tree.leaves] >= 2 * shortest]
     leaves = leaves[level(tree.albedo[leaves]) > 0]
-    if len(leaves) == 0:
+    owner, source, reach = _near_lamps(tree, balance, leaves)
+    least = np.full(len(leaves), patch)
+    if follow_lamps:
+        np.minimum.at(least, owner, np.maximum(reach / _PARTS, shortest))
+    able = tree.edges[leaves] >= 2 * least
+    if not able.any():
         return False
+    number = np.cumsum(able) - 1
+    leaves, kept = leaves[able], able[owner]
+    lamps = _Lamps(number[owner[kept]], source[kept], reach[kept])
     arriving, dull = _at_middles(tree, balance, light, leaves), level(tree.albedo[leaves])
     brightest = arriving.max(axis=1)
     poor = (brightest - arriving.min(axis=1)) * _HALF_OF_QUARTERS * dull > allowed
-    poor |= _has_peak(tree, balance, light, leaves, np.maximum(_PEAK * brightest, allowed / dull))
+    poor |= _has_peak(tree, lamps, light, leaves, np.maximum(_PEAK * brightest, allowed / dull))
     tree.cut(leaves[poor])
     return bool(poor.any())
 
@@ -63,8 +86,8 @@ def _at_middles(tree: PatchTree, balance: Balance, light: Points, leaves: Number
     return middles
 
 
-def _has_peak(tree: PatchTree, balance: Balance, light: Points, leaves: Numbers, least: Points) -> Flags:
-    """(n,): whether lamps that are small beside a leaf, and near, may send more than `least` (n,) to a place on it."""
+def _near_lamps(tree: PatchTree, balance: Balance, leaves: Numbers) -> _Lamps:
+    """What shines and is near some leaves."""
     owner, source = balance.near_sources(leaves)
     shines = level(tree.emission[source]) > 0
     owner, source = owner[shines], source[shines]
@@ -73,9 +96,14 @@ def _has_peak(tree: PatchTree, balance: Balance, light: Points, leaves: Numbers,
     height = (way * tree.normals[leaf]).sum(axis=1)
     aside = np.sqrt(np.maximum((way**2).sum(axis=1) - height**2, 0.0))
     near = np.hypot(height, np.maximum(aside - tree.radii[leaf], 0.0))
-    reach = np.maximum(near, tree.radii[source])
+    return _Lamps(owner, source, np.maximum(near, tree.radii[source]))
+
+
+def _has_peak(tree: PatchTree, lamps: _Lamps, light: Points, leaves: Numbers, least: Points) -> Flags:
+    """(n,): whether lamps that are small beside a leaf, and near, may send more than `least` (n,) to a place on it."""
+    owner, source, reach = lamps
     # Seen from so far, and straight on; a place sees half of all directions at most.
     most = level(light[source]) * np.minimum(1.0, tree.areas[source] / (np.pi * reach**2))
     found = np.zeros(len(leaves), np.bool_)
-    found[owner[(most > least[owner]) & (2 * reach < tree.edges[leaf])]] = True
+    found[owner[(most > least[owner]) & (2 * reach < tree.edges[leaves[owner]])]] = True
     return found

@@ -112,6 +112,7 @@ def settle(
     *,
     error: float,
     patch: float,
+    follow_lamps: bool,
     residual: float,
     most_links: int,
     report: Reporter,
@@ -143,7 +144,7 @@ def settle(
         direct.complete()
         balance = Balance(tree, links, threads)
         bounces, residuals = _bounce(balance, tree, direct.values, 1e-2, report)
-        while cut_by_irradiance(tree, balance, bounces[-1], error * mean * factor, patch):
+        while cut_by_irradiance(tree, balance, bounces[-1], error * mean * factor, patch, follow_lamps=follow_lamps):
             direct.complete()
             balance = Balance(tree, links, threads)
             bounces, residuals = _bounce(balance, tree, direct.values, 1e-2, report)

@@ -35,10 +35,10 @@ class Radiosity:
     """Radiosity: light between diffuse surfaces, solved once for all views, B = E + ρ ∫ B' v cosθ cosθ' / (π r²) dA'.
 
     Surfaces are cut into patches where light changes fast, down to edges of `patch` metres (None: a hundredth of the
-    scene's diagonal), and linked in a hierarchy, nearer pairs by finer patches; links and patches are cut until what
-    each may be off is below `error`, in parts of the mean radiosity. Light bounces until no patch changes by more than
-    `residual` of the most that any reflects. `samples` rays a pixel show the result. All materials but Emitter are
-    taken for Matte.
+    scene's diagonal, and less under lamps that are small and near), and linked in a hierarchy, nearer pairs by finer
+    patches; links and patches are cut until what each may be off is below `error`, in parts of the mean radiosity.
+    Light bounces until no patch changes by more than `residual` of the most that any reflects. `samples` rays a pixel
+    show the result. All materials but Emitter are taken for Matte.
 
     With the method "gathering" (whose residual is in parts of the brightest patch, lamps included) or "shooting" all
     faces are cut evenly and light goes between all pairs of patches, by `form_factors`: "rays" between each two, or
@@ -109,6 +109,7 @@ class Radiosity:
             tree,
             error=self.error,
             patch=patch,
+            follow_lamps=self.patch is None,
             residual=self.residual,
             most_links=self.max_links,
             report=report,
