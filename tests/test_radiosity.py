@@ -44,9 +44,9 @@ def test_within_a_box_that_shines_all_is_as_bright_as_its_series_says(albedo: fl
     found = iso.radiosity(shine, iso.Radiosity(residual=1e-6), progress=False)
     inside = found.form_factor_sums > 0.5
     exact = np.pi / (1 - albedo)
-    np.testing.assert_allclose(found.irradiance[inside], exact, rtol=0.05)
+    np.testing.assert_allclose(found.irradiance[inside], exact, rtol=1e-4)
     weights = found.areas[inside, None]
-    assert (found.irradiance[inside] * weights).sum() / weights.sum() / 3 == pytest.approx(exact, rel=0.01)
+    assert (found.irradiance[inside] * weights).sum() / weights.sum() / 3 == pytest.approx(exact, rel=1e-5)
 
 
 def test_surfaces_that_reflect_and_shine_do_both() -> None:

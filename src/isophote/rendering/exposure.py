@@ -5,7 +5,7 @@ the same pattern as all others; sorted by time, so that a pass can go through th
 docs/design/motion.md):
 
     moments, middle = expose(job, accelerator)
-    plans = [PLAN.pack(..., inside=moment.inside) for moment in moments]
+    plans = [plan_of(..., inside=moment.inside) for moment in moments]
     trace_passes(over_moments(work, film, plans[0], len(moments)), film, ...)      # work(tile, thread, moment's number)
 """
 

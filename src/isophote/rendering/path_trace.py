@@ -8,7 +8,6 @@ from collections.abc import Sequence
 import attrs
 
 from isophote.kernels.trace.path import path_trace_tile
-from isophote.kernels.trace.tables import PLAN
 from isophote.kernels.trace.wave import new_wave
 from isophote.lower.field_table import scratch_words
 from isophote.rendering.darkness import warn_if_dark
@@ -19,6 +18,7 @@ from isophote.rendering.method import Job, checked_accelerator, first_hit_channe
 from isophote.rendering.oddities import warn_of_oddities
 from isophote.rendering.passes import MOST_SAMPLES, PATTERNS, Limits, trace_passes
 from isophote.rendering.pixel_filter import PixelFilter, as_pixel_filter, filter_table, pixel_filter
+from isophote.rendering.plan import plan_of
 from isophote.rendering.pool import Pool, Tile
 from isophote.rendering.settings import one_of, optional_positive, optional_whole, whole
 from isophote.rendering.warm import warm_up
@@ -84,19 +84,15 @@ class PathTrace:
     def _trace(self, moments: Sequence[Moment], job: Job, pool: Pool, began: float) -> Film:
         table = filter_table(as_pixel_filter(self.filter))
         film = Film(job.size, table)
-        width, height = job.size
         plans = [
-            PLAN.pack(
-                width=width,
-                height=height,
+            plan_of(
+                job,
+                table,
                 samples=self.limits.planned,
-                seed=job.seed,
-                pattern=PATTERNS[self.pattern],
-                offsets=table.offsets,
-                crossings=table.crossings,
+                pattern=self.pattern,
+                depth=self.max_depth,
+                roulette=_ROULETTE,
                 inside=moment.inside,
-                max_depth=self.max_depth,
-                roulette_depth=_ROULETTE,
             )
             for moment in moments
         ]

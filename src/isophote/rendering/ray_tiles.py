@@ -14,14 +14,14 @@ from isophote.kernels.trace.ray_log import LIGHT_COLUMNS, LIGHT_NUMBERS, LOG, RA
 from isophote.kernels.trace.ray_trace import ray_trace_tile
 from isophote.kernels.trace.ray_tree import new_tree
 from isophote.kernels.trace.shadow_tint import shadow_tint
-from isophote.kernels.trace.tables import PLAN
 from isophote.kernels.trace.wave import new_wave
 from isophote.lower.field_table import scratch_words
 from isophote.rendering.exposure import Moment, over_moments
 from isophote.rendering.film import Film
 from isophote.rendering.method import Job
-from isophote.rendering.passes import PATTERNS, Limits
+from isophote.rendering.passes import Limits
 from isophote.rendering.pixel_filter import PixelFilter, as_pixel_filter, filter_table
+from isophote.rendering.plan import plan_of
 from isophote.rendering.pool import Tile
 
 __all__ = ["RaySettings", "RayTiles", "new_log"]
@@ -73,17 +73,13 @@ class RayTiles:
         self.rays: Counts = np.zeros((height, width), np.int64)
         self._moments = moments
         self._plans = [
-            PLAN.pack(
-                width=width,
-                height=height,
+            plan_of(
+                job,
+                table,
                 samples=settings.limits.planned,
-                seed=job.seed,
-                pattern=PATTERNS[settings.pattern],
-                offsets=table.offsets,
-                crossings=table.crossings,
+                pattern=settings.pattern,
+                depth=settings.depth,
                 inside=moment.inside,
-                max_depth=settings.depth,
-                roulette_depth=settings.depth,
             )
             for moment in moments
         ]

@@ -8,12 +8,9 @@ from numba.extending import intrinsic
 
 from isophote.kernels.base.jit import device
 
-__all__ = ["X_BITS", "bit_count", "morton", "stepped_back", "unpacked"]
+__all__ = ["bit_count", "morton", "unpacked"]
 
 _SPREAD = (np.int64(0x030000FF), np.int64(0x0300F00F), np.int64(0x030C30C3), np.int64(0x09249249))
-
-# The bits of x in a code of ten bits a coordinate; those of y and z are one and two places on.
-X_BITS = np.int64(0x09249249)
 
 
 @device
@@ -39,12 +36,6 @@ def unpacked(code):
 def morton(x, y, z):
     """The code of a cell; coordinates below 1024."""
     return _spread(np.int64(x)) | _spread(np.int64(y)) << 1 | _spread(np.int64(z)) << 2
-
-
-@device
-def stepped_back(code, bits):
-    """The code of the cell before along the axis whose bits are given; its coordinate there is not 0."""
-    return (code & ~bits) | (((code & bits) - 1) & bits)
 
 
 @intrinsic

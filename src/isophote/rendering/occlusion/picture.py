@@ -11,7 +11,6 @@ import numpy as np
 
 from isophote.errors import RenderError
 from isophote.kernels.trace.occlusion_picture import SKY, occlusion_tile
-from isophote.kernels.trace.tables import PLAN
 from isophote.kernels.trace.wave import new_wave
 from isophote.lower.field_table import scratch_words
 from isophote.rendering.exposure import Moment, expose, over_moments
@@ -20,8 +19,9 @@ from isophote.rendering.image import Image
 from isophote.rendering.method import Array, Job, extent_of, first_hit_channels
 from isophote.rendering.occlusion.points import checked_reach
 from isophote.rendering.occlusion.screen import screen_occlusion
-from isophote.rendering.passes import PATTERNS, Limits, trace_passes
+from isophote.rendering.passes import Limits, trace_passes
 from isophote.rendering.pixel_filter import as_pixel_filter, filter_table
+from isophote.rendering.plan import plan_of
 from isophote.rendering.pool import Pool, Tile
 from isophote.rendering.stills import over_shutter
 from isophote.rendering.warm import warm_up
@@ -92,18 +92,7 @@ class AmbientOcclusion:
         width, height = job.size
         table = filter_table(as_pixel_filter("box"))
         film = Film(job.size, table)
-        plan = PLAN.pack(
-            width=width,
-            height=height,
-            samples=self.samples,
-            seed=job.seed,
-            pattern=PATTERNS["blue-noise"],
-            offsets=table.offsets,
-            crossings=table.crossings,
-            inside=0,
-            max_depth=1,
-            roulette_depth=1,
-        )
+        plan = plan_of(job, table, samples=self.samples, pattern="blue-noise", depth=1)
         bent = np.zeros((height * width, 3))
         sky = SKY.pack(reach=checked_reach(self.max_distance), bent=bent)
         waves = [new_wave(_WAVE, scratch_words(moments[0].scene.arrays["fields"])) for _ in range(pool.threads)]

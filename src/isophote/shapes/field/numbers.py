@@ -22,7 +22,6 @@ __all__ = [
     "lowest",
     "not_negative_number",
     "not_negative_vector",
-    "number_above",
     "optional_number",
     "positive_number",
     "positive_vector",
@@ -119,12 +118,6 @@ def optional_number(**options: Any) -> Any:
     return attrs.field(
         converter=lambda v: None if v is None else _as_number(v), validator=check, default=None, **options
     )
-
-
-def number_above(least: float, **options: Any) -> Any:
-    """A finite number above `least`."""
-    check = _checked(f"a finite number above {least:g}", lambda v: _is_finite(v) and lowest(v) > least)
-    return attrs.field(converter=_as_number, validator=check, **options)
 
 
 def whole_number(least: int, most: int, **options: Any) -> Any:
