@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import gc
 import re
+import weakref
 from pathlib import Path
 
 import numpy as np
@@ -134,6 +136,23 @@ def nested(words):
 def test_tables_hold_tables():
     inner = INNER.pack(values=np.array([1, 2, 3], np.float32), count=9)
     assert nested(OUTER.pack(first=4, inner=inner, last=-0.5).words) == (4, 3, 3, 9, -0.5)
+
+
+def test_words_alone_keep_the_arrays_alive():
+    values, beside, directly = (np.array([1, 2, 3], np.float32) for _ in range(3))
+    alive = [weakref.ref(array) for array in (values, beside, directly)]
+    words = (
+        OUTER.pack(first=4, inner=INNER.pack(values=values, count=9).holding({"beside": beside}), last=0.0)
+        .holding({"directly": directly})
+        .words
+    )
+    del values, beside, directly
+    gc.collect()
+    assert all(array() is not None for array in alive)
+    assert nested(words)[1:3] == (3, 3)
+    del words
+    gc.collect()
+    assert all(array() is None for array in alive)
 
 
 @pytest.mark.parametrize("value", [np.inf, -np.inf, 0.0, 1e-40, 3.4e38])

@@ -59,4 +59,4 @@ def _packed(accelerator: str, tables: Packed, blocks: npt.NDArray[np.float32], t
         blocks=blocks,
     )
     # The words name the tables by their address, so these must live as long.
-    return Packed(packed.words, packed.arrays | {"tables of boxes": tables})
+    return packed.holding({"tables of boxes": tables})

@@ -73,7 +73,7 @@ def lower_fields(
         one = lowered[key]
         found.append(one._replace(box=placed_box(one.clip, part.matrix)))
     packed = _packed(parts, found, surface, accelerator)
-    return Packed(packed.words, packed.arrays | {"horizon": _horizon(around) if endless(parts) else None})
+    return packed.holding({"horizon": _horizon(around) if endless(parts) else None})
 
 
 def _lower(part: FieldPart, around: Matrix, threads: int | None) -> _Lowered:
@@ -159,7 +159,7 @@ def _packed(parts: Sequence[FieldPart], found: Sequence[_Lowered], surface: int,
     )
     # The words of `data` point at tables that must live as long.
     held = {"tables": tuple(one.data for one in found), _CLIPS: [one.clip for one in found], _BOXES: boxes}
-    return Packed(packed.words, packed.arrays | held | {ACCELERATOR: accelerator})
+    return packed.holding(held | {ACCELERATOR: accelerator})
 
 
 def _over(boxes: npt.NDArray[np.float32], accelerator: str) -> dict[str, Any]:

@@ -39,7 +39,7 @@ class Place(NamedTuple):
 def repacked(table: Table, packed: Packed, **changes: Any) -> Packed:
     """A packed table with other values in some of its fields; what it holds beside its fields is held on."""
     fields = {name: packed.arrays[name] for name in table.fields} | changes
-    return Packed(table.pack(**fields).words, packed.arrays | changes)
+    return table.pack(**fields).holding(packed.arrays | changes)
 
 
 def tree_over(boxes: FloatArray, threads: int | None = None) -> dict[str, npt.NDArray[Any]]:
@@ -92,7 +92,7 @@ def place_instances(
     packed = GEOMETRY.pack(**objects, **arrays.fields())
     held = {PLACES: tuple(places), _BOXES: arrays.boxes}
     bounds = np.stack([arrays.boxes[:, 0].min(axis=0), arrays.boxes[:, 1].max(axis=0)])
-    return Packed(packed.words, packed.arrays | held), arrays.slack, bounds
+    return packed.holding(held), arrays.slack, bounds
 
 
 def moved_instances(geometry: Packed, surfaces: Packed, matrices: Mapping[int, Matrix]) -> tuple[Packed, Packed]:

@@ -116,7 +116,7 @@ def lower_primitives(
         trace_lanes=trace_primitive_lanes.address,
         surface=primitive_surface.address,
     )
-    return Packed(packed.words, packed.arrays | {_BOXES: boxes, ACCELERATOR: accelerator})
+    return packed.holding({_BOXES: boxes, ACCELERATOR: accelerator})
 
 
 def moved_primitives(packed: Packed, moved: Mapping[int, PrimitivePart]) -> Packed:

@@ -10,14 +10,15 @@ number. Python packs them (`Table.pack`), and a kernel opens them again:
     scene = SCENE.open(words)                         # kernel: one pointer
     scene.nodes[i], scene.to_world[i, j], scene.lights.cdf[k], scene.nodes.rows
 
-Fields are loaded where they are used. Views into arrays have no bounds, no negative indices, and own nothing: the
-`Packed` that Python holds keeps the arrays alive.
+Fields are loaded where they are used. Views into arrays have no bounds, no negative indices, and own nothing: the words
+that Python holds keep the arrays alive.
 """
 
 from __future__ import annotations
 
 import operator
 import struct
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -208,11 +209,22 @@ def _set(context, builder, sig, args):
 # --- packing and opening --------------------------------------------------------------------------
 
 
+class _Owner(bytearray):
+    """The memory of a table's words, which keeps what they point to."""
+
+    kept: dict[str, Any]
+
+
 class Packed(NamedTuple):
-    """A table's `words`, for kernels, and the arrays behind them, by name, which it keeps alive."""
+    """A table's `words`, for kernels, and the arrays behind them, by name. The words alone keep the arrays alive."""
 
     words: np.ndarray
     arrays: dict[str, Any]
+
+    def holding(self, more: Mapping[str, Any]) -> Packed:
+        """The same table, which keeps further objects alive."""
+        self.arrays.update(more)
+        return self
 
 
 class Table:
@@ -234,7 +246,9 @@ class Table:
         """The words of a table. Arrays must be C-contiguous and of the field's type, since they are not copied."""
         if values.keys() != self.fields.keys():
             raise TypeError(f"{self.name} has fields {sorted(self.fields)}, not {sorted(values)}")
-        words = np.zeros(_WORDS_A_FIELD * self.size, np.int64)
+        owner = _Owner(8 * _WORDS_A_FIELD * self.size)
+        owner.kept = values
+        words = np.frombuffer(owner, np.int64)
         for field, value in values.items():
             first = _WORDS_A_FIELD * self.type.fields[field][0]
             kind = self.fields[field]

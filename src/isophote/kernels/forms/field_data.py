@@ -55,7 +55,7 @@ def pack_field_data(
             row[interpreter] = table.functions[interpreter].address
         row[_HEAD : _HEAD + len(table.packed.words)] = table.packed.words
     packed = FIELD_DATA.pack(words=words)
-    return Packed(packed.words, packed.arrays | {"tables": tuple(tables)})
+    return packed.holding({"tables": tuple(tables)})
 
 
 @device
