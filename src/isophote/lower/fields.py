@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -18,7 +18,7 @@ from isophote.kernels.forms.tape_entries import pack_interpreters
 from isophote.lower.boxes import ACCELERATOR, counting_boxes, over_boxes
 from isophote.lower.field_table import FieldPart, endless
 from isophote.lower.placement import repacked
-from isophote.scene.scene import placed_box
+from isophote.scene.scene import placed_box, placed_boxes
 from isophote.shapes.field.evaluate import packed_data
 from isophote.shapes.field.tape import tape_of
 
@@ -123,7 +123,7 @@ def _packed(parts: Sequence[FieldPart], found: Sequence[_Lowered], surface: int,
     numbers, cubes = np.zeros((len(parts), 5), np.int32), np.zeros((len(parts), 17), np.float32)
     starts: dict[int, tuple[int, int]] = {}
     row, tape, node, longest = 0, 0, 0, 0
-    for k, (part, one) in enumerate(zip(parts, found, strict=True)):
+    for k, one in enumerate(found):
         tree = one.tree
         if id(tree) not in starts:
             starts[id(tree)] = node, tape
@@ -138,8 +138,10 @@ def _packed(parts: Sequence[FieldPart], found: Sequence[_Lowered], surface: int,
         numbers[k] = root, tree.levels, first_tape, surface + k, first_node
         reach = max(float(np.abs(one.low).max()), float(np.abs(one.low + one.side).max()))
         cubes[k, :BALL] = *one.low, one.side, *one.clip[0], *one.clip[1], 0.0, _LEAST_STEP * reach, one.detail
-        _put(cubes[k], part.matrix, one.box)
-    boxes = np.array([one.box for one in found], np.float32).reshape(-1, 2, 3)
+    placed = np.array([one.box for one in found]).reshape(-1, 2, 3)
+    matrices = np.array([part.matrix for part in parts], np.float64).reshape(-1, 4, 4)
+    _put(cubes, matrices, placed)
+    boxes = placed.astype(np.float32)
     data = _data(found)
     packed = FIELDS.pack(
         rows=np.concatenate(rows),
@@ -148,8 +150,8 @@ def _packed(parts: Sequence[FieldPart], found: Sequence[_Lowered], surface: int,
         finer=np.concatenate(finer),
         numbers=numbers,
         cubes=cubes,
-        to_object=np.array([np.linalg.inv(part.matrix)[:3].reshape(-1) for part in parts]).reshape(-1, 12),
-        to_world=np.array([part.matrix[:3].reshape(-1) for part in parts], np.float64).reshape(-1, 12),
+        to_object=np.ascontiguousarray(np.linalg.inv(matrices)[:, :3].reshape(-1, 12)),
+        to_world=np.ascontiguousarray(matrices[:, :3].reshape(-1, 12)),
         data=data,
         **_over(boxes, accelerator),
         trace=trace_field.address,
@@ -158,7 +160,7 @@ def _packed(parts: Sequence[FieldPart], found: Sequence[_Lowered], surface: int,
         interpreters=pack_interpreters(),
     )
     # The words of `data` point at tables that must live as long.
-    held = {"tables": tuple(one.data for one in found), _CLIPS: [one.clip for one in found], _BOXES: boxes}
+    held = {"tables": tuple(one.data for one in found), _CLIPS: np.array([one.clip for one in found]), _BOXES: boxes}
     return packed.holding(held | {ACCELERATOR: accelerator})
 
 
@@ -172,23 +174,24 @@ def counting_fields(fields: Packed) -> Packed:
     return counting_boxes(FIELDS, fields, test_field)
 
 
-def _put(cube: npt.NDArray[np.float32], matrix: Matrix, box: Matrix) -> None:
-    """What a field's row of `cubes` says of where it stands: by a matrix, in a box in the world."""
-    cube[STRETCH] = float(np.abs(matrix[:3, :3]).sum(axis=1).max())
-    middle = (box[0] + box[1]) / 2
-    cube[BALL:] = *middle, float(np.linalg.norm(box[1] - middle)) * (1 + 1e-6)
+def _put(cubes: npt.NDArray[np.float32], matrices: Matrix, boxes: Matrix) -> npt.NDArray[np.float32]:
+    """Rows of `cubes` with what they say of where fields stand: by matrices, in boxes in the world."""
+    cubes[:, STRETCH] = np.abs(matrices[:, :3, :3]).sum(axis=2).max(axis=1)
+    middles = (boxes[:, 0] + boxes[:, 1]) / 2
+    cubes[:, BALL : BALL + 3] = middles
+    cubes[:, BALL + 3] = np.linalg.norm(boxes[:, 1] - middles, axis=1) * (1 + 1e-6)
+    return cubes
 
 
-def moved_fields(packed: Packed, matrices: Mapping[int, Matrix]) -> Packed:
-    """Lowered fields with other `matrices` for those of these numbers; all else is shared. Endless ones end where they
-    did in their own space."""
+def moved_fields(packed: Packed, rows: npt.NDArray[np.int64], matrices: Matrix) -> Packed:
+    """Lowered fields of which those of these rows stand by `matrices` (n, 4, 4); all else is shared. Endless ones end
+    where they did in their own space."""
     names = "cubes", "to_object", "to_world", _BOXES
     cubes, to_object, to_world, boxes = (packed.arrays[name].copy() for name in names)
-    for k, matrix in matrices.items():
-        box = placed_box(packed.arrays[_CLIPS][k], matrix)
-        _put(cubes[k], matrix, box)
-        to_object[k], to_world[k] = np.linalg.inv(matrix)[:3].reshape(-1), matrix[:3].reshape(-1)
-        boxes[k] = box
+    placed = placed_boxes(packed.arrays[_CLIPS][rows], matrices)
+    cubes[rows] = _put(cubes[rows], matrices, placed)
+    to_object[rows], to_world[rows] = np.linalg.inv(matrices)[:, :3].reshape(-1, 12), matrices[:, :3].reshape(-1, 12)
+    boxes[rows] = placed
     over = _over(boxes, packed.arrays[ACCELERATOR])
     return repacked(FIELDS, packed, cubes=cubes, to_object=to_object, to_world=to_world, **over)
 

@@ -13,17 +13,17 @@ from isophote.kernels.accel.geometry import GEOMETRY
 from isophote.kernels.accel.surface import SURFACES
 from isophote.kernels.base.table import Packed, Table
 
-__all__ = ["IDENTITY", "PLACES", "Place", "moved_instances", "place_instances", "repacked", "tree_over"]
+__all__ = ["IDENTITY", "Place", "moved_instances", "place_instances", "repacked", "tree_over"]
 
 Matrix: TypeAlias = npt.NDArray[np.float64]
 FloatArray: TypeAlias = npt.NDArray[np.float32]
+Longs: TypeAlias = npt.NDArray[np.int64]
 
 IDENTITY = np.eye(4)
 
-PLACES = "places"
-"""What a Packed geometry holds beside its fields: the `Place` of each instance."""
-
-_BOXES = "boxes of instances"
+# What a packed geometry holds beside its fields: boxes of instances in their own space and in the world, and the
+# numbers of their items.
+_OWN, _BOXES, _PUBLIC = "own boxes of instances", "boxes of instances", "items of instances"
 _ROUNDING = 32 * 2.0**-24
 
 
@@ -57,11 +57,15 @@ class _Arrays(NamedTuple):
     boxes: FloatArray
     slack: FloatArray
 
-    def put(self, k: int, place: Place) -> None:
-        self.to_world[k] = place.matrix[:3].reshape(-1)
-        self.to_object[k] = np.linalg.inv(place.matrix)[:3].reshape(-1)
-        self.identity[k] = (place.matrix == IDENTITY).all()
-        self.boxes[k], self.slack[k] = _placed_box(place.box, place.matrix, bool(self.identity[k]))
+    def put(self, rows: npt.NDArray[np.int64], own: Matrix, matrices: Matrix) -> None:
+        """Instances of these rows with boxes (n, 2, 3) of their own stand by `matrices` (n, 4, 4)."""
+        inverses = np.linalg.inv(matrices)
+        self.to_world[rows] = matrices[:, :3].reshape(-1, 12)
+        self.to_object[rows] = inverses[:, :3].reshape(-1, 12)
+        identity = (matrices == IDENTITY).all(axis=(1, 2))
+        self.identity[rows], self.boxes[rows], self.slack[rows] = identity, own, 0.0
+        moved = ~identity
+        self.boxes[rows[moved]], self.slack[rows[moved]] = _placed(own[moved], matrices[moved], inverses[moved])
 
     def fields(self) -> dict[str, npt.NDArray[Any]]:
         """What the geometry has of them; a single instance that stands where its object does needs no tree."""
@@ -87,19 +91,21 @@ def place_instances(
         np.zeros((count, 2, 3), np.float32),
         np.zeros(count, np.float32),
     )
-    for k, place in enumerate(places):
-        arrays.put(k, place)
+    own = np.array([place.box for place in places])
+    arrays.put(np.arange(count), own, np.array([place.matrix for place in places]))
     packed = GEOMETRY.pack(**objects, **arrays.fields())
-    held = {PLACES: tuple(places), _BOXES: arrays.boxes}
+    held = {_OWN: own, _BOXES: arrays.boxes, _PUBLIC: np.array([place.public for place in places])}
     bounds = np.stack([arrays.boxes[:, 0].min(axis=0), arrays.boxes[:, 1].max(axis=0)])
     return packed.holding(held), arrays.slack, bounds
 
 
-def moved_instances(geometry: Packed, surfaces: Packed, matrices: Mapping[int, Matrix]) -> tuple[Packed, Packed]:
-    """A geometry and its surfaces with other `matrices` for the items of these numbers for the user; all else is
-    shared."""
-    places = geometry.arrays[PLACES]
+def moved_instances(geometry: Packed, surfaces: Packed, matrices: Matrix, moving: Longs) -> tuple[Packed, Packed]:
+    """A geometry and its surfaces with those of `matrices` (items, 4, 4) for the items of these numbers for the user;
+    all else is shared."""
     old = geometry.arrays
+    rows = np.flatnonzero(np.isin(old[_PUBLIC], moving))
+    if len(rows) == 0:
+        return geometry, surfaces
     arrays = _Arrays(
         old["to_object"].copy(),
         old["to_world"].copy(),
@@ -107,23 +113,21 @@ def moved_instances(geometry: Packed, surfaces: Packed, matrices: Mapping[int, M
         old[_BOXES].copy(),
         surfaces.arrays["slack"].copy(),
     )
-    for k, place in enumerate(places):
-        if place.public in matrices:
-            arrays.put(k, place._replace(matrix=matrices[place.public]))
+    arrays.put(rows, old[_OWN][rows], matrices[old[_PUBLIC][rows]])
     return repacked(GEOMETRY, geometry, **arrays.fields()), repacked(SURFACES, surfaces, slack=arrays.slack)
 
 
-def _placed_box(box: Matrix, matrix: Matrix, identity: bool) -> tuple[Matrix, float]:
-    """An instance's box in the world, widened by its rounding, and that rounding."""
-    if identity:
-        return box, 0.0
-    corners = np.array([[box[i, 0], box[j, 1], box[k, 2], 1.0] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
-    placed = corners @ matrix[:3].T
-    local = float(np.abs(box).max())
-    there, back = np.abs(matrix[:3]), np.abs(np.linalg.inv(matrix)[:3])
-    stretch = float(there[:, :3].sum(axis=1).max())
-    far = np.abs(placed).max(axis=0)
+def _placed(own: Matrix, matrices: Matrix, inverses: npt.NDArray[Any]) -> tuple[Matrix, Matrix]:
+    """Instances' boxes in the world (n, 2, 3), widened by their rounding, and that rounding (n,)."""
+    corners = np.stack([own[:, (k >> 2, k >> 1 & 1, k & 1), (0, 1, 2)] for k in range(8)], axis=1)
+    placed = corners @ matrices[:, :3, :3].swapaxes(1, 2) + matrices[:, None, :3, 3]
+    local = np.abs(own).max(axis=(1, 2))
+    there, back = np.abs(matrices[:, :3]), np.abs(inverses[:, :3])
+    stretch = there[:, :, :3].sum(axis=2).max(axis=1)
+    far = np.abs(placed).max(axis=1)
     # Rays come back to the object with rounding of their own, which the transform then stretches.
-    returned = float((there[:, :3] @ (back[:, :3] @ far + back[:, 3])).max())
-    slack = _ROUNDING * (stretch * local + float(there[:, 3].max()) + float(far.max()) + returned)
-    return np.stack([placed.min(axis=0) - slack, placed.max(axis=0) + slack]), slack
+    own_far = (back[:, :, :3] @ far[:, :, None])[:, :, 0] + back[:, :, 3]
+    returned = (there[:, :, :3] @ own_far[:, :, None])[:, :, 0].max(axis=1)
+    slack = _ROUNDING * (stretch * local + there[:, :, 3].max(axis=1) + far.max(axis=1) + returned)
+    room = slack[:, None]
+    return np.stack([placed.min(axis=1) - room, placed.max(axis=1) + room], axis=1), slack

@@ -22,6 +22,7 @@ from isophote.lower.media import lower_media
 from isophote.lower.own_space import own_spaces
 from isophote.lower.painted_lights import Paint
 from isophote.lower.primitive_table import PrimitivePart, no_primitives, primitive_of
+from isophote.scene.camera import AnyCamera
 from isophote.scene.light import DiskLight, RectLight
 from isophote.scene.material import Emitter
 from isophote.scene.material_base import Material
@@ -57,7 +58,7 @@ def lower_scene(
     for a scene without items that can be drawn, or without a camera.
     """
     scene = displaced(scene.still(), size)
-    camera = camera_rows(scene, size)
+    camera = camera_rows(scene.camera, size)
     way = accelerator, marched, scene.medium
     tables = _latest.find(scene, way)
     if tables is None:
@@ -67,11 +68,11 @@ def lower_scene(
     return SCENE.pack(**tables, camera=camera)
 
 
-def camera_rows(scene: Scene, size: tuple[int, int]) -> npt.NDArray[np.float32]:
+def camera_rows(camera: AnyCamera | None, size: tuple[int, int]) -> npt.NDArray[np.float32]:
     """(10, 3): the rays of a scene's camera, as kernels/trace/camera.py has them."""
-    if scene.camera is None:
+    if camera is None:
         raise SceneError("the scene has no camera; give Scene(camera=...) or use isophote.studio(scene)")
-    return np.stack(scene.camera.linear_map(size)).astype(np.float32)
+    return np.stack(camera.linear_map(size)).astype(np.float32)
 
 
 class Parts(NamedTuple):
@@ -99,7 +100,7 @@ def tables_of(
     finite = _finite_bounds(scene, bounds, parts, around)
     fields = _fields(parts, finite, threads, accelerator)
     reach = float(np.linalg.norm(finite[1] - finite[0])) / 2
-    material_table, textures = parts.materials.build(lambda: own_spaces(scene.items, surfaces))
+    material_table, textures = parts.materials.build(lambda: own_spaces(_matrices(scene), surfaces))
     tables = {
         "geometry": geometry,
         "surfaces": surfaces,
@@ -111,6 +112,10 @@ def tables_of(
         "lights": lights_of(scene, parts, reach),
     }
     return tables, reach
+
+
+def _matrices(scene: Scene) -> npt.NDArray[np.float64]:
+    return np.array([item.transform.matrix for item in scene.items]).reshape(-1, 4, 4)
 
 
 def lights_of(scene: Scene, parts: Parts, reach: float) -> Packed:

@@ -13,10 +13,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from isophote.kernels.base.table import Packed
 from isophote.kernels.trace.shutter import count_moments
@@ -28,11 +27,10 @@ from isophote.rendering.method import Job, Size
 from isophote.rendering.pool import Tile
 from isophote.scene.material import Glass
 from isophote.scene.relief import unturned
-from isophote.scene.scene import Scene
+from isophote.scene.scene import Scene, camera_at
+from isophote.scene.ways import Ways
 
 __all__ = ["Exposure", "Moment", "expose", "over_moments", "shutter_times"]
-
-Points: TypeAlias = npt.NDArray[np.float64]
 
 # So many moments for each pixel that what moves farthest crosses, within bounds: measured, errors by steps are then
 # below those of a thousand samples (docs/design/motion.md).
@@ -89,25 +87,20 @@ def _moments(scene: Scene, size: Size) -> int:
 def _longest_way(scene: Scene, size: Size) -> float:
     """The longest way over the film, in pixels, of corners of boxes around items; infinite where one cannot be told, as
     from behind the camera."""
-    times = np.linspace(*scene.shutter, _PROBES).tolist()
-    stands = [scene.still(time) for time in times]
-    longest = 0.0
-    for number, item in enumerate(scene.items):
-        box = np.asarray(item.shape.bounds, np.float64)
-        if not np.isfinite(box).all():
-            continue
-        local = np.array([[box[i, 0], box[j, 1], box[k, 2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
-        ways = np.stack([_on_film(still, number, local, size) for still in stands])
-        lengths = np.linalg.norm(np.diff(ways, axis=0), axis=2).sum(axis=0)
-        longest = max(longest, float(np.where(np.isfinite(lengths), lengths, np.inf).max()))
-    return longest
-
-
-def _on_film(still: Scene, number: int, local: Points, size: Size) -> Points:
-    camera = still.camera
-    transform = still.items[number].still(0.0).transform
-    placed = local @ transform.matrix[:3, :3].T + transform.matrix[:3, 3]
-    return np.zeros((len(local), 2)) if camera is None else camera.project(placed, size)[0]
+    boxes = np.array([item.shape.bounds for item in scene.items], np.float64)
+    finite = np.isfinite(boxes).all(axis=(1, 2))
+    corners = np.stack([boxes[finite][:, (k >> 2, k >> 1 & 1, k & 1), (0, 1, 2)] for k in range(8)], axis=1)
+    ways = Ways([scene.items[number].transform for number in np.flatnonzero(finite)])
+    lengths, before = np.zeros(corners.shape[:2]), None
+    for time in np.linspace(*scene.shutter, _PROBES).tolist():
+        matrices, camera = ways.at(time), camera_at(scene, time)
+        if camera is None:
+            return 0.0
+        placed = corners @ matrices[:, :3, :3].swapaxes(1, 2) + matrices[:, None, :3, 3]
+        now = camera.project(placed, size)[0]
+        lengths += 0.0 if before is None else np.linalg.norm(now - before, axis=2)
+        before = now
+    return float(np.where(np.isfinite(lengths), lengths, np.inf).max(initial=0.0))
 
 
 def over_moments(

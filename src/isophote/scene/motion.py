@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from collections.abc import Iterable, Mapping
-from functools import lru_cache
 from itertools import pairwise
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, TypeAlias
 
 import attrs
 import numpy as np
@@ -15,6 +14,7 @@ import numpy.typing as npt
 
 from isophote.errors import SceneError
 from isophote.scene.fields import VectorLike
+from isophote.scene.interpolation import between, taken_apart
 from isophote.scene.transform import Axis, Transform
 
 __all__ = ["Motion"]
@@ -24,8 +24,6 @@ Placements: TypeAlias = Mapping[float, Transform] | Iterable[tuple[float, Transf
 
 # Rotations whose quaternions are this near to perpendicular are half a turn apart: either way round is as short.
 _HALF_TURN = 1e-6
-# Below this angle the arc between two quaternions is its chord, to double precision.
-_CHORD = 1e-4
 # A turn is kept as placements at most a quarter of a turn apart.
 _STEP = math.pi / 2
 _MOST_STEPS = 100_000
@@ -74,10 +72,10 @@ class Motion:
 
     def __attrs_post_init__(self) -> None:
         for (start, before), (end, after) in pairwise(self.placements):
-            a, b = _taken_apart(before), _taken_apart(after)
-            if a.mirrored != b.mirrored:
+            a, b = taken_apart([before]), taken_apart([after])
+            if a.mirrored[0] != b.mirrored[0]:
                 raise SceneError(f"Motion: the placements at {start} and {end} are mirror images; nothing lies between")
-            if abs(float(a.turn @ b.turn)) < _HALF_TURN:
+            if abs(float(a.turns[0] @ b.turns[0])) < _HALF_TURN:
                 raise SceneError(
                     f"Motion: the placements at {start} and {end} are half a turn apart, which does not tell which way "
                     "it turns; give one between, or use Motion.turn"
@@ -126,9 +124,10 @@ class Motion:
             return self.placements[-1][1]
         k = bisect_right(times, time) - 1
         (start, before), (end, after) = self.placements[k : k + 2]
-        if before == after:
+        if before == after or time == start:
             return before
-        return _between(_taken_apart(before), _taken_apart(after), (time - start) / (end - start))
+        parts = np.array([(time - start) / (end - start)])
+        return Transform(between(taken_apart([before]), taken_apart([after]), parts)[0])
 
     def moves(self, first: float, last: float) -> bool:
         """Whether it stands elsewhere at some time between two times than at the first."""
@@ -155,63 +154,3 @@ class Motion:
     def __repr__(self) -> str:
         inside = ", ".join(f"{time!r}: {transform!r}" for time, transform in self.placements)
         return f"Motion({{{inside}}})"
-
-
-class _Apart(NamedTuple):
-    """T, R and S of a placement, R as a unit quaternion (x, y, z, w); `mirrored` where S is −(a stretch)."""
-
-    offset: Matrix
-    turn: Matrix
-    stretch: Matrix
-    mirrored: bool
-
-
-@lru_cache(maxsize=4096)
-def _taken_apart(transform: Transform) -> _Apart:
-    u, sizes, vt = np.linalg.svd(transform.matrix[:3, :3])
-    sign = 1.0 if np.linalg.det(u @ vt) > 0 else -1.0
-    return _Apart(transform.matrix[:3, 3], _quaternion(sign * (u @ vt)), sign * (vt.T * sizes) @ vt, sign < 0)
-
-
-def _quaternion(rotation: Matrix) -> Matrix:
-    """(4,) of a rotation. Source: Shepperd, "Quaternion from Rotation Matrix", 1978."""
-    r = rotation
-    squares = np.array([r[0, 0], r[1, 1], r[2, 2], np.trace(r)])
-    k = int(np.argmax(squares))
-    if k == 3:
-        q = np.array([r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1], 1 + squares[3]])
-    else:
-        i, j = (k + 1) % 3, (k + 2) % 3
-        q = np.empty(4)
-        q[k] = 1 - squares[3] + 2 * r[k, k]
-        q[i], q[j], q[3] = r[i, k] + r[k, i], r[j, k] + r[k, j], r[j, i] - r[i, j]
-    unit: Matrix = q / np.linalg.norm(q)
-    return unit
-
-
-def _rotation(q: Matrix) -> Matrix:
-    x, y, z, w = q
-    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    turned: Matrix = np.eye(3) + 2 * w * cross + 2 * (cross @ cross)
-    return turned
-
-
-def _arc(a: Matrix, b: Matrix, part: float) -> Matrix:
-    """The unit quaternion at `part` of the shorter arc from `a` to `b`."""
-    nearer = b if a @ b >= 0 else -b
-    # Of the chord and not of the cosine, which says little of small angles.
-    angle = 2 * math.asin(min(1.0, float(np.linalg.norm(nearer - a)) / 2))
-    if angle < _CHORD:
-        q = (1 - part) * a + part * nearer
-    else:
-        q = math.sin((1 - part) * angle) * a + math.sin(part * angle) * nearer
-    unit: Matrix = q / np.linalg.norm(q)
-    return unit
-
-
-def _between(a: _Apart, b: _Apart, part: float) -> Transform:
-    matrix = np.eye(4)
-    stretch = (1 - part) * a.stretch + part * b.stretch
-    matrix[:3, :3] = _rotation(_arc(a.turn, b.turn, part)) @ stretch
-    matrix[:3, 3] = (1 - part) * a.offset + part * b.offset
-    return Transform(matrix)

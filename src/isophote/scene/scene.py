@@ -23,7 +23,7 @@ from isophote.scene.spot_light import SpotLight
 from isophote.scene.transform import Axis, Transform
 from isophote.shapes.mesh import Mesh
 
-__all__ = ["Bounds", "Item", "Scene", "Shape", "is_shape", "placed_box"]
+__all__ = ["Bounds", "Item", "Scene", "Shape", "camera_at", "is_shape", "placed_box", "placed_boxes"]
 
 Bounds: TypeAlias = npt.NDArray[np.float64]
 
@@ -129,13 +129,20 @@ class Item:
 
 
 def placed_box(box: Bounds, matrix: npt.NDArray[np.float64]) -> Bounds:
-    """Box around a placed box, axis by axis. Source: Arvo, "Transforming axis-aligned bounding boxes", 1990."""
-    linear, offset = matrix[:3, :3], matrix[:3, 3]
-    # A zero entry ignores its axis, even where the box is infinite along it.
-    reach = np.zeros((2, 3, 3))
-    np.multiply(linear, box[:, None, :], out=reach, where=(linear != 0)[None])
-    bounds: Bounds = np.stack([reach.min(axis=0).sum(axis=1), reach.max(axis=0).sum(axis=1)]) + offset
+    """Box around a placed box: the only one of `placed_boxes`."""
+    bounds: Bounds = placed_boxes(box[None], matrix[None])[0]
     return bounds
+
+
+def placed_boxes(boxes: npt.NDArray[np.float64], matrices: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """(n, 2, 3): boxes around placed boxes, axis by axis. Source: Arvo, "Transforming axis-aligned bounding boxes",
+    1990."""
+    linear, offset = matrices[:, None, :3, :3], matrices[:, None, :3, 3]
+    # A zero entry ignores its axis, even where the box is infinite along it.
+    reach = np.zeros((len(boxes), 2, 3, 3))
+    np.multiply(linear, boxes[:, :, None, :], out=reach, where=np.broadcast_to(linear != 0, reach.shape))
+    placed: npt.NDArray[np.float64] = np.stack([reach.min(axis=1), reach.max(axis=1)], axis=1).sum(axis=3) + offset
+    return placed
 
 
 def _item_box(item: Item, box: Bounds) -> Bounds:
@@ -223,9 +230,13 @@ class Scene:
             return self
         opened, closed = self.shutter
         moment = opened / 2 + closed / 2 if time is None else time
-        camera = None if self.camera is None else self.camera.still(moment)
-        return self.with_(items=[item.still(moment) for item in self.items], camera=camera)
+        return self.with_(items=[item.still(moment) for item in self.items], camera=camera_at(self, moment))
 
     def with_(self, **changes: Any) -> Scene:
         """The scene with other fields: `scene.with_(camera=...)`."""
         return attrs.evolve(self, **changes)
+
+
+def camera_at(scene: Scene, time: float) -> AnyCamera | None:
+    """The camera of a scene as it stands at a time."""
+    return None if scene.camera is None else scene.camera.still(time)
