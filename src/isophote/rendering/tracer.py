@@ -12,6 +12,7 @@ import numpy.typing as npt
 from isophote.errors import RenderError
 from isophote.kernels.base.table import Packed
 from isophote.kernels.trace.count import count_rays
+from isophote.kernels.trace.primitive_rays import closest_primitive_rays, occluded_primitive_rays
 from isophote.kernels.trace.rays import QUERY, closest_rays, describe_hits, occluded_rays
 from isophote.kernels.trace.wave import new_wave
 from isophote.lower.counting import counting
@@ -109,6 +110,17 @@ class Counts(NamedTuple):
     depth: Ints
 
 
+class _Queries(NamedTuple):
+    """The kernels that answer: they fill a QUERY."""
+
+    closest: Callable[..., tuple[int, int]]
+    occluded: Callable[..., tuple[int, int]]
+
+
+_OF_ANYTHING = _Queries(closest_rays, occluded_rays)
+_OF_PRIMITIVES = _Queries(closest_primitive_rays, occluded_primitive_rays)
+
+
 class Tracer:
     """A scene made ready for rays; `subject` is a shape, an item or a scene. The accelerator is built once.
 
@@ -124,6 +136,10 @@ class Tracer:
         # The tables need some camera; rays do not.
         view = Scene(scene.still().items, camera=Camera((0, 0, 1), (0, 0, 0)))
         self._scene = lower_scene(view, (1, 1), threads, checked_accelerator(accelerator))
+        tables = {name: self._scene.arrays[name].arrays for name in ("geometry", "fields", "primitives")}
+        others = len(tables["geometry"]["blocks"]) + len(tables["fields"]["numbers"])
+        only_primitives = not others and len(tables["primitives"]["numbers"]) > 0
+        self._queries = _OF_PRIMITIVES if only_primitives else _OF_ANYTHING
 
     def closest(
         self,
@@ -145,7 +161,7 @@ class Tracer:
         distance, uv = np.empty(count, np.float32), np.empty((count, 2), np.float32)
         item, primitive, slot, instance = (np.empty(count, np.int32) for _ in range(4))
         found = {"distance": distance, "uv": uv, "item": item, "primitive": primitive, "slot": slot}
-        query = self._run(closest_rays, rays, coherent, **_NOTHING | found | {"instance": instance})
+        query = self._run(self._queries.closest, rays, coherent, **_NOTHING | found | {"instance": instance})
         return Hits(distance, item, primitive, uv, rays[:2], query, self._scene)
 
     def occluded(
@@ -159,7 +175,7 @@ class Tracer:
         """(n,): whether each ray meets anything at 0 < distance < `max_distance`; arguments as for `closest`."""
         rays = self._checked(_rays(origins, directions, max_distance))
         blocked = np.zeros(len(rays[0]), np.uint8)
-        self._run(occluded_rays, rays, coherent, **_NOTHING | {"blocked": blocked})
+        self._run(self._queries.occluded, rays, coherent, **_NOTHING | {"blocked": blocked})
         return blocked.astype(bool)
 
     def count(self, origins: npt.ArrayLike, directions: npt.ArrayLike, max_distance: npt.ArrayLike = np.inf) -> Counts:

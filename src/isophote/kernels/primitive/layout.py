@@ -103,6 +103,8 @@ PRIMITIVES = Table(
 # asked by then.
 RAY_WORDS = 16
 LINE_AT = RAY_WORDS
-RAYS_AT = LINE_AT + 2 * WORDS
+# Blocks begin where lines of the processor's memory do, which vectors of eight doubles then never cross.
+_LINE = 16
+RAYS_AT = -(-(LINE_AT + 2 * WORDS) // _LINE) * _LINE
 STACK_AT, STACK_WORDS = RAYS_AT + 2 * 9 * LANES, STACK + WIDTH
 OWN_AT = STACK_AT

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from isophote.kernels.accel.geometry import Hit, closest_hit, occluded
+from isophote.kernels.accel.layout import PACKET
 from isophote.kernels.accel.surface import (
     FIRST_TRIANGLE,
     PUBLIC,
@@ -14,6 +15,8 @@ from isophote.kernels.accel.surface import (
     true_normal,
 )
 from isophote.kernels.base.jit import device, kernel
+from isophote.kernels.base.simd import absolute, bits, load16, maximum, splat16
+from isophote.kernels.base.simd_rows import load_triples
 from isophote.kernels.base.table import BYTES, FLOAT_ROWS, FLOATS, INTS, Table
 from isophote.kernels.base.vec import vec3
 from isophote.kernels.trace import wave as rows
@@ -27,7 +30,16 @@ from isophote.kernels.trace.batch import (
 from isophote.kernels.trace.direct import direct_item, direct_part, has_direct, surface_of
 from isophote.kernels.trace.tables import SCENE
 
-__all__ = ["QUERY", "closest_rays", "describe_hits", "first_fault", "occluded_rays"]
+__all__ = [
+    "QUERY",
+    "closest_rays",
+    "describe_hits",
+    "first_fault",
+    "occluded_rays",
+    "open_query",
+    "open_scene",
+    "open_wave",
+]
 
 # Rays and what is found, one row each: `limit` is the largest distance in lengths of the direction; `slot` and
 # `instance` (−1: none) name the triangle for later questions.
@@ -49,24 +61,39 @@ _ZERO = np.float32(0)
 # Beside the least component that boxes are tested with (bvh.py) shorter directions would be turned noticeably.
 _SHORTEST = np.float32(1e-8)
 _FAR, _NONE = np.float32(np.inf), np.int64(-1)
+_ALL = np.int32(0xFFFF)
 
 open_scene, open_query, open_wave = SCENE.open, QUERY.open, rows.WAVE.open
+
+
+@device
+def _sound(o, d, limit, first):
+    """Whether sixteen rays from number `first` on make sense."""
+    x, y, z = load_triples(o, first)
+    u, v, w = load_triples(d, first)
+    most = load16(limit, first)
+    # x − x is 0 for finite x only.
+    finite = ((x - x) + (y - y)) + ((z - z) + (u - u)) + ((v - v) + (w - w)) == splat16(_ZERO)
+    long = maximum(absolute(u), maximum(absolute(v), absolute(w))) >= splat16(_SHORTEST)
+    return bits(finite & long & (most == most)) == _ALL
 
 
 @device
 def first_fault(query, first, last):
     """(kind, number) of the first ray that makes no sense: kind 1 an origin or 2 a direction that is not finite, 3 a
     direction that is zero or too short, 4 a limit that is NaN, 0 for none."""
-    o, d = query.origins, query.directions
-    for i in range(first, last):
-        # x − x is 0 for finite x only.
+    o, d, limit = query.origins, query.directions, query.limit
+    start = first
+    while start + PACKET <= last and _sound(o, d, limit, start):
+        start += PACKET
+    for i in range(start, last):
         if (o[i, 0] - o[i, 0]) + (o[i, 1] - o[i, 1]) + (o[i, 2] - o[i, 2]) != 0:
             return 1, i
         if (d[i, 0] - d[i, 0]) + (d[i, 1] - d[i, 1]) + (d[i, 2] - d[i, 2]) != 0:
             return 2, i
         if max(abs(d[i, 0]), max(abs(d[i, 1]), abs(d[i, 2]))) < _SHORTEST:
             return 3, i
-        if query.limit[i] != query.limit[i]:
+        if limit[i] != limit[i]:
             return 4, i
     return 0, 0
 

@@ -8,6 +8,7 @@ are always the living ones. Rows of the float state are below; whole numbers hav
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 
 from isophote.kernels.accel.geometry import SCRATCH_WORDS
 from isophote.kernels.base import table
@@ -53,6 +54,8 @@ INT_COUNT = 7
 # Long rows: slot and instance of the hit, order in which packets take rays, media that the ray is in (medium.py).
 HIT_SLOT, HIT_INSTANCE, ORDER, INSIDE = 0, 1, 2, 3
 LONG_COUNT = 4
+# Floats in a line of the processor's memory, which what primitives keep in the scratch shall not cross.
+_LINE = 16
 
 
 # `floats`, `ints`, `longs`: the rows above; `scratch` for the traversal; `ask`: what a light tree is asked.
@@ -66,13 +69,20 @@ WAVE = table.Table(
 )
 
 
+def _aligned(words: int) -> npt.NDArray[np.float32]:
+    """So many zeros from the start of a line of the processor's memory on."""
+    wide = np.zeros(words + _LINE, np.float32)
+    first = -(wide.ctypes.data // wide.itemsize) % _LINE
+    return wide[first : first + words]
+
+
 def new_wave(size: int, scratch: int = SCRATCH_WORDS) -> Packed:
     """Scratch for waves of `size` paths, with so many words for traversals; one for each thread."""
     return WAVE.pack(
         floats=np.zeros((FLOAT_COUNT, size), np.float32),
         ints=np.zeros((INT_COUNT, size), np.uint32),
         longs=np.zeros((LONG_COUNT, size), np.int64),
-        scratch=np.zeros(scratch, np.float32),
+        scratch=_aligned(scratch),
         ask=np.zeros(ASK_WORDS, np.float32),
     )
 
