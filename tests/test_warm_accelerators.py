@@ -21,6 +21,9 @@ def test_parts_are_the_entries_of_the_accelerator(name):
 def test_scenes_take_the_parts_of_what_they_hold():
     assert parts_of_accelerators("bvh", ["trees", "primitives", "fields", "fields"]) == []
     assert parts_of_accelerators("kdtree", ["trees", "primitives"]) == ["kdtree"]
+    assert parts_of_accelerators("kdtree", ["trees", "trees", "instances", "instances"]) == [
+        "kdtree", "kdtree things", "tests of instances"
+    ]  # fmt: skip
     assert parts_of_accelerators("grid", ["primitives"] * 4) == ["grid things", "tests of primitives"]
     assert parts_of_accelerators("bvh", ["trees", "fields", "fields"], counting=True) == [
         "bvh", "bvh things", "tests of fields"

@@ -1,4 +1,4 @@
-"""Accelerators over the boxes of things that are no triangles, as kernels know them."""
+"""Accelerators over the boxes of instances, and of things that are no triangles, as kernels know them."""
 
 from __future__ import annotations
 
@@ -8,13 +8,24 @@ import numpy as np
 import numpy.typing as npt
 
 from isophote.accel.accelerator import accelerator_of, build_things
+from isophote.accel.tree import build_boxes
+from isophote.kernels.accel.geometry import GEOMETRY
+from isophote.kernels.accel.instance_entry import any_in_instance, closest_in_instance
 from isophote.kernels.accel.things import BOXES
 from isophote.kernels.accel.tree_entry import TREE
 from isophote.kernels.base.entry import Entry
 from isophote.kernels.base.table import Packed, Table
-from isophote.lower.placement import repacked, tree_over
+from isophote.lower.packing import repacked
 
-__all__ = ["ACCELERATOR", "counting_boxes", "lower_boxes", "no_boxes", "over_boxes"]
+__all__ = [
+    "ACCELERATOR",
+    "counting_boxes",
+    "counting_instances",
+    "lower_boxes",
+    "no_boxes",
+    "over_boxes",
+    "over_instances",
+]
 
 Boxes: TypeAlias = npt.NDArray[np.floating]
 
@@ -25,6 +36,14 @@ ACCELERATOR = "accelerator"
 def no_boxes() -> Packed:
     """The table where there is no accelerator over boxes."""
     return BOXES.pack(things=0, test=0, tables=0, blocks=np.zeros(0, np.float32))
+
+
+def _tree_over(boxes: Boxes, threads: int | None = None) -> dict[str, npt.NDArray[Any]]:
+    """`top_nodes` and `top_items`: the tree over boxes (n, 2, 3); empty where there are none."""
+    if len(boxes) == 0:
+        return {"top_nodes": np.zeros(0, np.float32), "top_items": np.zeros(0, np.int32)}
+    top = build_boxes(boxes[:, 0], boxes[:, 1], threads)
+    return {"top_nodes": top.nodes, "top_items": top.blocks.astype(np.int32, copy=False)}
 
 
 def lower_boxes(accelerator: str, boxes: Boxes, test: Entry, threads: int | None = None) -> Packed:
@@ -38,8 +57,21 @@ def over_boxes(accelerator: str, boxes: Boxes, test: Entry, threads: int | None 
     """`top_nodes`, `top_items` and `boxes`: the tree over `boxes`, (k, 2, 3), which kernels go through themselves, or
     the other accelerator of a name; all empty where there are none."""
     if accelerator == "bvh" or len(boxes) == 0:
-        return {**tree_over(boxes.astype(np.float32), threads), "boxes": no_boxes()}
-    return {**tree_over(np.zeros((0, 2, 3), np.float32)), "boxes": lower_boxes(accelerator, boxes, test, threads)}
+        return {**_tree_over(boxes.astype(np.float32), threads), "boxes": no_boxes()}
+    return {**_tree_over(np.zeros((0, 2, 3), np.float32)), "boxes": lower_boxes(accelerator, boxes, test, threads)}
+
+
+def over_instances(accelerator: str, boxes: Boxes) -> dict[str, Any]:
+    """As over_boxes, over instances; and `blocking`, which asks whether rays meet any."""
+    over = over_boxes(accelerator, boxes, closest_in_instance)
+    first: Packed = over["boxes"]
+    blocking = repacked(BOXES, first, test=any_in_instance.address) if first.arrays["things"] else first
+    return over | {"blocking": blocking}
+
+
+def counting_instances(geometry: Packed) -> Packed:
+    """A geometry whose rays count what they visit among its instances."""
+    return counting_boxes(GEOMETRY, geometry, closest_in_instance)
 
 
 def counting_boxes(table: Table, packed: Packed, test: Entry) -> Packed:

@@ -9,6 +9,7 @@ from isophote.kernels.accel.geometry import GEOMETRY
 from isophote.kernels.accel.tree_entry import TREE
 from isophote.kernels.base.table import Packed
 from isophote.kernels.trace.tables import SCENE
+from isophote.lower.boxes import counting_instances
 from isophote.lower.objects import keep_alive
 
 __all__ = ["counting"]
@@ -31,6 +32,7 @@ def counting(scene: Packed) -> Packed:
 
 
 def _geometry(geometry: Packed) -> Packed:
+    geometry = counting_instances(geometry)
     if geometry.arrays["closest"] != 0:
         return geometry
     arrays = {name: geometry.arrays[name] for name in GEOMETRY.fields}

@@ -17,7 +17,7 @@ from isophote.kernels.base.table import Packed
 from isophote.kernels.forms.tape_entries import pack_interpreters
 from isophote.lower.boxes import ACCELERATOR, counting_boxes, over_boxes
 from isophote.lower.field_table import FieldPart, endless
-from isophote.lower.placement import repacked
+from isophote.lower.packing import repacked
 from isophote.scene.scene import placed_box, placed_boxes
 from isophote.shapes.field.evaluate import packed_data
 from isophote.shapes.field.tape import tape_of

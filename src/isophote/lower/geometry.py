@@ -257,7 +257,7 @@ def lower_geometry(
     for row in bare:
         surfaces.add_bare(*row)
     fields = join_objects(accelerator, objects, [instance.object for instance in instances])
-    geometry, slack, bounds = place_instances(fields, [instance.place for instance in instances])
+    geometry, slack, bounds = place_instances(fields, [instance.place for instance in instances], accelerator)
     spans = np.array([instance.items for instance in instances], np.int32).reshape(-1, 2)
     return keep_alive(geometry, [built.tables for built in objects]), surfaces.build(spans, slack), bounds
 

@@ -21,7 +21,8 @@ from isophote.lower.field_table import endless
 from isophote.lower.latest import Latest
 from isophote.lower.materials import emission_of
 from isophote.lower.own_space import own_spaces
-from isophote.lower.placement import moved_instances, repacked
+from isophote.lower.packing import repacked
+from isophote.lower.placement import moved_instances
 from isophote.lower.primitive_table import PrimitivePart, primitive_of
 from isophote.lower.scene import Parts, camera_rows, lights_of, lower_scene, parts_of, tables_of
 from isophote.scene.motion import Motion

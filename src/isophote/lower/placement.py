@@ -1,4 +1,4 @@
-"""Where instances of objects stand: their matrices, the tree over their boxes, and the same moved elsewhere."""
+"""Where instances of objects stand: their matrices, the accelerator over their boxes, and the same moved elsewhere."""
 
 from __future__ import annotations
 
@@ -8,12 +8,13 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from isophote.accel.tree import build_boxes
 from isophote.kernels.accel.geometry import GEOMETRY
 from isophote.kernels.accel.surface import SURFACES
-from isophote.kernels.base.table import Packed, Table
+from isophote.kernels.base.table import Packed
+from isophote.lower.boxes import ACCELERATOR, over_instances
+from isophote.lower.packing import repacked
 
-__all__ = ["IDENTITY", "Place", "moved_instances", "place_instances", "repacked", "tree_over"]
+__all__ = ["IDENTITY", "Place", "moved_instances", "place_instances"]
 
 Matrix: TypeAlias = npt.NDArray[np.float64]
 FloatArray: TypeAlias = npt.NDArray[np.float32]
@@ -36,20 +37,6 @@ class Place(NamedTuple):
     public: int
 
 
-def repacked(table: Table, packed: Packed, **changes: Any) -> Packed:
-    """A packed table with other values in some of its fields; what it holds beside its fields is held on."""
-    fields = {name: packed.arrays[name] for name in table.fields} | changes
-    return table.pack(**fields).holding(packed.arrays | changes)
-
-
-def tree_over(boxes: FloatArray, threads: int | None = None) -> dict[str, npt.NDArray[Any]]:
-    """`top_nodes` and `top_items`: the tree over boxes (n, 2, 3); empty where there are none."""
-    if len(boxes) == 0:
-        return {"top_nodes": np.zeros(0, np.float32), "top_items": np.zeros(0, np.int32)}
-    top = build_boxes(boxes[:, 0], boxes[:, 1], threads)
-    return {"top_nodes": top.nodes, "top_items": top.blocks.astype(np.int32, copy=False)}
-
-
 class _Arrays(NamedTuple):
     to_object: FloatArray
     to_world: FloatArray
@@ -67,22 +54,23 @@ class _Arrays(NamedTuple):
         moved = ~identity
         self.boxes[rows[moved]], self.slack[rows[moved]] = _placed(own[moved], matrices[moved], inverses[moved])
 
-    def fields(self) -> dict[str, npt.NDArray[Any]]:
-        """What the geometry has of them; a single instance that stands where its object does needs no tree."""
+    def fields(self, accelerator: str) -> dict[str, Any]:
+        """What the geometry has of them, with the accelerator of a name over them; a single instance that stands where
+        its object does needs none."""
         alone = len(self.boxes) == 1 and self.identity[0] != 0
         return {
             "to_object": self.to_object,
             "to_world": self.to_world,
             "identity": self.identity,
-            **tree_over(self.boxes[:0] if alone else self.boxes),
+            **over_instances(accelerator, self.boxes[:0] if alone else self.boxes),
         }
 
 
 def place_instances(
-    objects: Mapping[str, Any], places: Sequence[Place]
+    objects: Mapping[str, Any], places: Sequence[Place], accelerator: str
 ) -> tuple[Packed, FloatArray, npt.NDArray[np.float32]]:
-    """The geometry of instances of `objects`, which are the fields of GEOMETRY that say nothing of places; the rounding
-    that each one's transform brings; and the world's bounds."""
+    """The geometry of instances of `objects`, which are the fields of GEOMETRY that say nothing of places, and the
+    accelerator of a name over them; the rounding that each one's transform brings; and the world's bounds."""
     count = len(places)
     arrays = _Arrays(
         np.zeros((count, 12), np.float32),
@@ -93,8 +81,9 @@ def place_instances(
     )
     own = np.array([place.box for place in places])
     arrays.put(np.arange(count), own, np.array([place.matrix for place in places]))
-    packed = GEOMETRY.pack(**objects, **arrays.fields())
-    held = {_OWN: own, _BOXES: arrays.boxes, _PUBLIC: np.array([place.public for place in places])}
+    packed = GEOMETRY.pack(**objects, **arrays.fields(accelerator))
+    public = np.array([place.public for place in places])
+    held = {_OWN: own, _BOXES: arrays.boxes, _PUBLIC: public, ACCELERATOR: accelerator}
     bounds = np.stack([arrays.boxes[:, 0].min(axis=0), arrays.boxes[:, 1].max(axis=0)])
     return packed.holding(held), arrays.slack, bounds
 
@@ -114,7 +103,8 @@ def moved_instances(geometry: Packed, surfaces: Packed, matrices: Matrix, moving
         surfaces.arrays["slack"].copy(),
     )
     arrays.put(rows, old[_OWN][rows], matrices[old[_PUBLIC][rows]])
-    return repacked(GEOMETRY, geometry, **arrays.fields()), repacked(SURFACES, surfaces, slack=arrays.slack)
+    fields = arrays.fields(old[ACCELERATOR])
+    return repacked(GEOMETRY, geometry, **fields), repacked(SURFACES, surfaces, slack=arrays.slack)
 
 
 def _placed(own: Matrix, matrices: Matrix, inverses: npt.NDArray[Any]) -> tuple[Matrix, Matrix]:

@@ -17,7 +17,7 @@ from isophote.kernels.primitive.surface import primitive_surface
 from isophote.kernels.primitive.trace import test_primitive, trace_primitive
 from isophote.kernels.primitive.trace_lanes import trace_primitive_lanes
 from isophote.lower.boxes import ACCELERATOR, counting_boxes, over_boxes
-from isophote.lower.placement import repacked
+from isophote.lower.packing import repacked
 from isophote.lower.primitive_table import PrimitivePart
 from isophote.shapes.primitive.extent import balls_around, boxes_around
 from isophote.shapes.primitive.primitive import Primitive

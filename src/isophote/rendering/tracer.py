@@ -102,7 +102,8 @@ class Counts(NamedTuple):
 
     `nodes`: nodes, cells or planes of the accelerator, leaves among them; `primitives`: triangles, exact primitives and
     fields that a ray is tested against, as often as it is; `depth`: the deepest level that it reaches, 0 for the
-    root's. Where a scene has instances, nodes and triangles are summed over those whose boxes the ray enters.
+    root's. Where a scene has instances, those of the accelerator over these are nodes too, and nodes and triangles are
+    summed over those whose boxes the ray enters.
     """
 
     nodes: Ints

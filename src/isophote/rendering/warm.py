@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import subprocess
 import sys
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -219,6 +220,12 @@ def _part_of(shape: object, method: str) -> str:
     return "fields" if primitive_of(shape) is None else "primitives"
 
 
+def _instances(scene: Scene) -> list[str]:
+    """A word for each item whose mesh other items have as well."""
+    uses = Counter(id(item.shape) for item in scene.items if isinstance(item.shape, Mesh))
+    return ["instances"] * sum(count for count in uses.values() if count > 1)
+
+
 def warm_up(report: Reporter, scene: Scene, method: str, accelerator: str = "bvh") -> None:
     """Compile what a method ("path", "ray", "occlusion", "sphere" or "visits") needs for a scene, with the accelerator
     of a name, and is not in the cache yet, the method itself here and the rest in a second process; both write to the
@@ -227,7 +234,8 @@ def warm_up(report: Reporter, scene: Scene, method: str, accelerator: str = "bvh
     kinds = [_part_of(item.shape, method) for item in scene.items]
     if method != "sphere" and many_lamps(scene):
         kinds.append("primitives")
-    rest += [*sorted(set(kinds)), *parts_of_accelerators(accelerator, kinds, counting=method == "visits")]
+    counting = method == "visits"
+    rest += [*sorted(set(kinds)), *parts_of_accelerators(accelerator, [*kinds, *_instances(scene)], counting=counting)]
     # Sphere tracing knows matte surfaces alone, and visits none.
     if method not in ("sphere", "visits") and any(is_linked(item.material) for item in scene.items):
         rest.append("materials")

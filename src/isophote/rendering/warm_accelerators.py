@@ -19,9 +19,9 @@ _ENTRIES = {
     "grid": ("grid_entry.py", "in_grid"),
     "kdtree": ("kd_entry.py", "in_kd"),
 }
-_TESTS = {"primitives": "tests of primitives", "fields": "tests of fields"}
+_TESTS = {"primitives": "tests of primitives", "fields": "tests of fields", "instances": "tests of instances"}
 # So many of a kind are asked one by one, whatever the accelerator.
-_ALONE = {"primitives": 3, "fields": 1}
+_ALONE = {"primitives": 3, "fields": 1, "instances": 1}
 
 
 def _triangles(name: str) -> None:
@@ -52,6 +52,13 @@ def _tests_of_fields() -> None:
     field_trace.test_field.compile()
 
 
+def _tests_of_instances() -> None:
+    from isophote.kernels.accel import instance_entry
+
+    instance_entry.closest_in_instance.compile()
+    instance_entry.any_in_instance.compile()
+
+
 def accelerator_parts() -> Iterator[tuple[str, tuple[str, str, Callable[[], None]]]]:
     """Parts of rendering/warm.py by their names: file and name of the kernel that comes last, and what compiles it."""
     for name, (file, end) in _ENTRIES.items():
@@ -59,11 +66,13 @@ def accelerator_parts() -> Iterator[tuple[str, tuple[str, str, Callable[[], None
         yield f"{name} things", (f"accel/{file}", f"things_{end}", partial(_things, name))
     yield _TESTS["primitives"], ("primitive/trace.py", "test_primitive", _tests_of_primitives)
     yield _TESTS["fields"], ("accel/field_trace.py", "test_field", _tests_of_fields)
+    yield _TESTS["instances"], ("accel/instance_entry.py", "any_in_instance", _tests_of_instances)
 
 
 def parts_of_accelerators(accelerator: str, kinds: Iterable[str], *, counting: bool = False) -> list[str]:
-    """Names of what an accelerator takes for items of these kinds ("trees", "primitives" or "fields"), beside what all
-    scenes take; with `counting`, as it is where rays count what they visit."""
+    """Names of what an accelerator takes for items of these kinds ("trees", "primitives" or "fields"; and "instances",
+    once more, for meshes that several items have), beside what all scenes take; with `counting`, as it is where rays
+    count what they visit."""
     if accelerator == "bvh" and not counting:
         return []
     found = Counter(kinds)

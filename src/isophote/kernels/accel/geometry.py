@@ -2,7 +2,7 @@
 
 A scene is a list of instances of objects. An object is a tree, or another accelerator, over triangles in its own space;
 one that is used once is stored in world space, all such together as one object. Where there is more than one instance,
-a tree over their boxes finds the ones that a ray may meet.
+a tree over their boxes, or the accelerator of the objects over these, finds the ones that a ray may meet.
 """
 
 from __future__ import annotations
@@ -14,7 +14,8 @@ import numpy as np
 from isophote.kernels.accel.bvh import any_triangle, closest_triangle, enter_children, slabs
 from isophote.kernels.accel.contract import LIMIT, RAY_WORDS, WEIGHT1, WEIGHT2, set_ray
 from isophote.kernels.accel.layout import BLOCK, CHILD, LANES, NODE, PACKET_SCRATCH, REACH, SCRATCH, STACK
-from isophote.kernels.base.entry import call_entry, element_address, floats_at
+from isophote.kernels.accel.things import BOXES, ask_boxes
+from isophote.kernels.base.entry import call_entry, element_address, floats_at, table_address
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.simd import load_float, load_int, lowest_bit, store8, store_float, store_int
 from isophote.kernels.base.table import BYTES, FLOAT_ROWS, FLOATS, INT, INTS, LONGS, Table
@@ -24,30 +25,39 @@ __all__ = [
     "GEOMETRY",
     "RAY",
     "SCRATCH_WORDS",
+    "SLOT_BITS",
     "Hit",
     "affine_point",
     "affine_vector",
     "closest_hit",
+    "into_object",
     "occluded",
     "push_boxes",
 ]
 
 # Two stacks for a single ray, the upper tree's behind the lower one's, or one packet; then, from word `RAY` on, the
-# words of a ray for an accelerator's entries.
+# words of a ray for an accelerator's entries. A ray through an accelerator over instances is there, and the one through
+# an instance's object where the stacks would be (instance_entry.py).
 RAY = np.int64(max(2 * SCRATCH, PACKET_SCRATCH))
 SCRATCH_WORDS = max(2 * SCRATCH, PACKET_SCRATCH) + RAY_WORDS
 _NEAR = np.int64(SCRATCH + STACK)
 _RAY_WORDS = np.int64(RAY_WORDS)
 
+# What an accelerator over instances finds is told as instance · 2³⁶ + slot.
+SLOT_BITS = np.int64(36)
+
 _ZERO = np.float32(0)
+_CLOSEST, _ANY = np.int64(0), np.int64(1)
 
 
 # Trees and instances. `nodes`, `blocks`: every object's tree, one after another (layout.py). `roots` (instances,): the
 # root node of each instance's object. `to_object`, `to_world` (instances, 12): rows of affine 3 × 4 matrices.
 # `identity` (instances,): whether these are the identity. `top_nodes`, `top_items`: tree over the instances' boxes;
-# empty where there is one instance. `closest`, `any`: the entries of the accelerator of all objects (contract.py), or 0
-# for trees, which are compiled into what asks; `objects` (instances,): addresses of its tables for each instance's
-# object, and `first_blocks` (instances,): the object's first block.
+# empty where there is one instance, or another accelerator over them: that is `boxes`, with the test of what a ray
+# meets first of an instance, and `blocking`, with that of whether it meets any of it. `closest`, `any`: the entries of
+# the accelerator of all objects (contract.py), or 0 for trees, which are compiled into what asks; `objects`
+# (instances,): addresses of its tables for each instance's object, and `first_blocks` (instances,): the object's first
+# block.
 GEOMETRY = Table(
     "Geometry",
     nodes=FLOATS,
@@ -58,6 +68,8 @@ GEOMETRY = Table(
     identity=BYTES,
     top_nodes=FLOATS,
     top_items=INTS,
+    boxes=BOXES,
+    blocking=BOXES,
     closest=INT,
     any=INT,
     objects=LONGS,
@@ -93,7 +105,8 @@ def affine_vector(matrices, k, d):
 
 
 @device
-def _into_object(geometry, instance, origin, direction):
+def into_object(geometry, instance, origin, direction):
+    """A ray's origin and direction in the space of an instance's object."""
     if geometry.identity[instance] != 0:
         return origin, direction
     matrices = geometry.to_object
@@ -123,7 +136,7 @@ def _closest_by_entry(geometry, instance, origin, direction, best, scratch):
 @device
 def _closest_in_instance(geometry, instance, origin, direction, best, scratch):
     """`best`, or the nearer hit of an instance."""
-    o, d = _into_object(geometry, instance, origin, direction)
+    o, d = into_object(geometry, instance, origin, direction)
     if geometry.closest != 0:
         return _closest_by_entry(geometry, instance, o, d, best, scratch)
     t, w1, w2, slot = closest_triangle(geometry.nodes, geometry.blocks, geometry.roots[instance], o, d, best.t, scratch)
@@ -132,7 +145,7 @@ def _closest_in_instance(geometry, instance, origin, direction, best, scratch):
 
 @device
 def _any_in_instance(geometry, instance, origin, direction, t_max, scratch):
-    o, d = _into_object(geometry, instance, origin, direction)
+    o, d = into_object(geometry, instance, origin, direction)
     if geometry.any != 0:
         blocked, _ = _ask_entry(geometry, geometry.any, instance, o, d, t_max, scratch)
         return blocked != 0
@@ -140,8 +153,22 @@ def _any_in_instance(geometry, instance, origin, direction, t_max, scratch):
 
 
 @device
+def _closest_in_boxes(geometry, origin, direction, t_max, scratch):
+    """As closest_hit, through the accelerator over the instances."""
+    ray_address = element_address(scratch, RAY)
+    t, code = ask_boxes(geometry.boxes, table_address(geometry), origin, direction, t_max, _CLOSEST, ray_address)
+    if code < 0:
+        return Hit(t_max, _ZERO, _ZERO, np.int64(-1), np.int64(0))
+    ray, instance = floats_at(ray_address, _RAY_WORDS), code >> SLOT_BITS
+    slot = code - (instance << SLOT_BITS)
+    return Hit(t, load_float(ray, WEIGHT1), load_float(ray, WEIGHT2), slot, instance)
+
+
+@device
 def closest_hit(geometry, origin, direction, t_max, scratch):
     """The first triangle at 0 < t < t_max; `scratch` is float32 of SCRATCH_WORDS."""
+    if geometry.boxes.things != 0:
+        return _closest_in_boxes(geometry, origin, direction, t_max, scratch)
     best = Hit(t_max, _ZERO, _ZERO, np.int64(-1), np.int64(0))
     # The stack of the upper tree lies behind that of the lower one. Where there is one instance there is no upper tree:
     # code −2 is a leaf of the first one, and that is all.
@@ -199,6 +226,10 @@ def push_boxes(nodes, node, origin, direction, t_max, scratch, top, near_row):
 @device
 def occluded(geometry, origin, direction, t_max, scratch):
     """Whether any triangle lies at 0 < t < t_max."""
+    if geometry.blocking.things != 0:
+        ray = element_address(scratch, RAY)
+        _, code = ask_boxes(geometry.blocking, table_address(geometry), origin, direction, t_max, _ANY, ray)
+        return code >= 0
     many = geometry.top_nodes.rows > 0
     base = np.int64(SCRATCH)
     top = base
