@@ -28,6 +28,8 @@ def tangents(mesh: Mesh) -> Attribute:
     Raises `GeometryError` for a mesh without texture coordinates.
     Source: Mikkelsen, "Simulation of Wrinkled Surfaces Revisited", 2008.
     """
+    if not isinstance(mesh, Mesh):
+        raise GeometryError(f"tangents: only a Mesh has tangents, not a {type(mesh).__name__}")
     if mesh.uvs is None:
         raise GeometryError("tangents: the mesh has no texture coordinates; isophote.unwrap makes some")
     cut = triangulate(mesh)

@@ -22,6 +22,10 @@ def unwrap(mesh: Mesh, *, size: int = 1024, padding: int = 2) -> Mesh:
     Needs the extra `uv` (`pip install isophote[uv]`). Raises `GeometryError` where it is not installed, for sizes
     without meaning, and for meshes without area.
     """
+    if not isinstance(mesh, Mesh):
+        raise GeometryError(
+            f"unwrap: only a Mesh is unwrapped, not a {type(mesh).__name__}; to_mesh makes one of a field"
+        )
     if not 8 <= size <= 65_536 or not 0 <= padding < size // 4:
         raise GeometryError(f"unwrap: size must be 8 to 65536 and padding below a quarter of it, not {size}, {padding}")
     try:

@@ -46,6 +46,8 @@ def displace(
 
     Raises `GeometryError` where it would need more than `most` triangles.
     """
+    if not isinstance(mesh, Mesh):
+        raise GeometryError(f"displace: only a Mesh is cut, not a {type(mesh).__name__}; to_mesh makes one of a field")
     settings = Displacement(texture, scale, midlevel, edge, most=most)
     return displaced_mesh(mesh, settings, edge_measure(mesh, settings.edge))
 

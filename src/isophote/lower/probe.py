@@ -7,9 +7,11 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from isophote.errors import SceneError
 from isophote.kernels.brdf import probe
 from isophote.kernels.brdf.contract import WORDS
 from isophote.lower.materials import MaterialTable
+from isophote.scene.material import Emitter
 from isophote.scene.material_base import Material
 
 __all__ = ["Probe", "Scattered"]
@@ -29,12 +31,13 @@ class Probe:
     """A material's reflectance, without a scene: in the local frame, whose z is the normal and x the tangent.
 
     Directions are (n, 3) or (3,), unit vectors that leave the surface. An `out` below the surface looks from inside,
-    which only glass tells apart. `uv` is where textures are looked up.
+    which only glass tells apart. `uv` is where textures are looked up. Of what shines the body is asked; raises
+    `SceneError` where there is none.
     """
 
     def __init__(self, material: Material, uv: tuple[float, float] = (0.5, 0.5)) -> None:
         table = MaterialTable(all_linked=True)
-        table.number(material)
+        table.number(_reflecting(material))
         # The words of the tables point at the arrays that these hold.
         self._materials, self._textures = table.build()
         self._place = np.float32(uv[0]), np.float32(uv[1])
@@ -71,6 +74,14 @@ class Probe:
         found = Scattered(intos, np.zeros_like(outs), np.zeros(len(outs), np.float32))
         kernel(self._materials.words, self._textures.words, *self._place, outs, *more, *found, self._scratch)
         return found
+
+
+def _reflecting(material: Material) -> Material:
+    if not isinstance(material, Emitter):
+        return material
+    if material.body is None:
+        raise SceneError("an Emitter without a body reflects no light; give it one, such as body=iso.Matte(0.8)")
+    return material.body
 
 
 def _pair(a: npt.ArrayLike, b: npt.ArrayLike) -> tuple[Floats, Floats]:

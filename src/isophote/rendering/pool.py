@@ -8,15 +8,19 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from typing import NamedTuple, TypeVar
 
+import numpy as np
+
 from isophote.errors import RenderError
 from isophote.machine import processors
 
-__all__ = ["Pool", "Tile", "tiles_of"]
+__all__ = ["Pool", "Tile", "checked_threads", "tiles_of"]
 
 _Job = TypeVar("_Job")
 
 # Seconds between looks at how far the threads are.
 _GLANCE = 0.1
+# Each thread has scratch memory of its own, up to some megabytes.
+_MOST_THREADS = 1024
 
 
 class Tile(NamedTuple):
@@ -38,6 +42,17 @@ def tiles_of(size: tuple[int, int], edge: int) -> list[Tile]:
     ]
 
 
+def checked_threads(threads: object) -> int | None:
+    """`threads`, if it is a number of threads that can be had, or None for all processors. Raises `RenderError`."""
+    if threads is None:
+        return None
+    if isinstance(threads, bool) or not isinstance(threads, int | np.integer) or not 1 <= threads <= _MOST_THREADS:
+        raise RenderError(
+            f"threads must be a whole number from 1 to {_MOST_THREADS:,}, or None for all processors, not {threads!r}"
+        )
+    return int(threads)
+
+
 class Pool:
     """Threads that run jobs until all are done, time is up, or the user interrupts.
 
@@ -46,9 +61,7 @@ class Pool:
     """
 
     def __init__(self, threads: int | None = None, deadline: float | None = None) -> None:
-        if threads is not None and threads < 1:
-            raise RenderError(f"threads must be 1 or more, not {threads}")
-        self.threads = threads or processors()
+        self.threads = checked_threads(threads) or processors()
         self.deadline = deadline
         self._stopped = threading.Event()
 

@@ -13,6 +13,7 @@ from isophote.rendering.image import Image
 from isophote.rendering.method import Job, Method, Size, checked_seed, checked_size
 from isophote.rendering.path_trace import PathTrace
 from isophote.rendering.pixel_filter import as_pixel_filter
+from isophote.rendering.pool import checked_threads
 from isophote.scene.scene import Item, Scene, Shape
 from isophote.scene.studio import studio
 from isophote.shapes.field.field2 import Field2
@@ -46,6 +47,7 @@ def render(
     """
     pixels = checked_size(size)
     number = checked_seed(seed)
+    crew = checked_threads(threads)
     if isinstance(subject, Field2):
         return _plotted(subject, method, pixels, progress)
     chosen = PathTrace() if method is None else method
@@ -54,10 +56,10 @@ def render(
     denoiser = checked_denoiser(denoise)
     scene = studio(subject, aspect=pixels[0] / pixels[1])
     with reporter(progress) as report:
-        image = chosen.render(Job(scene, pixels, number, threads, report))
+        image = chosen.render(Job(scene, pixels, number, crew, report))
         if denoiser is not None:
             report("denoising", 0.0)
-            image = _denoised(image, scene, chosen, denoiser, threads)
+            image = _denoised(image, scene, chosen, denoiser, crew)
             report("denoising", 1.0)
     metadata = {"Software": f"Isophote {__version__}", **image.metadata, "seed": str(seed)}
     if scene.name:

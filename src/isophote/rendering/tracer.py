@@ -19,7 +19,7 @@ from isophote.lower.counting import counting
 from isophote.lower.field_table import scratch_words
 from isophote.lower.scene import lower_scene
 from isophote.rendering.method import checked_accelerator
-from isophote.rendering.pool import Pool
+from isophote.rendering.pool import Pool, checked_threads
 from isophote.scene.camera import Camera
 from isophote.scene.scene import Item, Scene, Shape
 
@@ -133,7 +133,7 @@ class Tracer:
         scene = (
             subject if isinstance(subject, Scene) else Scene([subject if isinstance(subject, Item) else Item(subject)])
         )
-        self._threads = threads
+        self._threads = checked_threads(threads)
         # The tables need some camera; rays do not.
         view = Scene(scene.still().items, camera=Camera((0, 0, 1), (0, 0, 0)))
         self._scene = lower_scene(view, (1, 1), threads, checked_accelerator(accelerator))

@@ -21,7 +21,7 @@ from isophote.progress import ProgressLike, Reporter, reporter
 from isophote.rendering.method import checked_seed
 from isophote.rendering.occlusion.directions import hemicube
 from isophote.rendering.occlusion.order import near_each_other
-from isophote.rendering.pool import Pool
+from isophote.rendering.pool import Pool, checked_threads
 from isophote.scene.camera import Camera
 from isophote.scene.scene import Item, Scene, Shape
 from isophote.shapes.field.field import Field
@@ -149,7 +149,7 @@ def lowered(subject: Shape | Item | Scene, threads: int | None) -> Packed:
     """The tables of what stands in the way; lights are not part of it."""
     scene = subject if isinstance(subject, Scene) else Scene([subject if isinstance(subject, Item) else Item(subject)])
     # The tables need some camera; rays do not.
-    return lower_scene(Scene(scene.items, camera=Camera((0, 0, 1), (0, 0, 0))), (1, 1), threads)
+    return lower_scene(Scene(scene.items, camera=Camera((0, 0, 1), (0, 0, 0))), (1, 1), checked_threads(threads))
 
 
 def trace(

@@ -13,6 +13,7 @@ from isophote.progress import ProgressLike, Reporter, reporter
 from isophote.rendering.image import Image
 from isophote.rendering.method import Job
 from isophote.rendering.oddities import warn_of_oddities
+from isophote.rendering.pool import checked_threads
 from isophote.rendering.radiosity.coverage import Coverage
 from isophote.rendering.radiosity.faces import Faces, faces_of
 from isophote.rendering.radiosity.hierarchy import settle
@@ -121,9 +122,19 @@ class Radiosity:
 def radiosity(
     scene: Scene, method: Radiosity | None = None, *, progress: ProgressLike = None, threads: int | None = None
 ) -> RadiositySolution:
-    """Solve the balance of light in `scene`, by the settings of `method`, without taking a picture."""
+    """Solve the balance of light in `scene`, by the settings of `method`, without taking a picture.
+
+    `progress` and `threads` as for `render`. Raises `RenderError` for scenes in which nothing shines or no surface has
+    bounds, and for more links or form factors than `method` allows, with an estimate.
+    """
+    if not isinstance(scene, Scene):
+        raise RenderError(f"radiosity: give a Scene, not a {type(scene).__name__}; iso.studio makes one of a shape")
+    chosen = Radiosity() if method is None else method
+    if not isinstance(chosen, Radiosity):
+        raise RenderError(f"radiosity: method must be a Radiosity(...), not {method!r}")
+    crew = checked_threads(threads)
     with reporter(progress) as report:
-        return (method or Radiosity()).solve(scene, report, threads)
+        return chosen.solve(scene.still(), report, crew)
 
 
 def _extent(scene: Scene) -> float:

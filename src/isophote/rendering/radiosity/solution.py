@@ -60,7 +60,8 @@ class RadiositySolution:
 
     def bounce(self, number: int) -> Mesh:
         """`mesh` as it is after so many bounces: with 0 only what shines, with 1 direct light, and so on."""
-        if not 0 <= number <= self.bounce_count:
+        whole = isinstance(number, int | np.integer) and not isinstance(number, bool)
+        if not whole or not 0 <= number <= self.bounce_count:
             raise RenderError(f"bounce: there are bounces 0 to {self.bounce_count}, but not {number!r}")
         return _mesh(self._settled, self._surface, number)
 
@@ -71,6 +72,8 @@ class RadiositySolution:
 
         With `bounce` as it is after so many bounces. The channel "patch" tells patches apart.
         """
+        if not isinstance(camera, AnyCamera):
+            raise RenderError(f"image: camera must be a Camera or an OrthographicCamera, not {camera!r}")
         mesh = self.mesh if bounce is None else self.bounce(bounce)
         return picture_of(mesh, self._surface, self._settled, camera, checked_size(size), samples)
 
