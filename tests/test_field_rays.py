@@ -11,7 +11,7 @@ import isophote as iso
 from isophote.accel import field_tree
 from isophote.errors import RenderError, SceneError
 from isophote.lower import scene as lower_scene
-from isophote.lower.latest import Latest
+from isophote.lower.latest import LatestScene
 from isophote.shapes.field.tape import numpy_values
 
 RNG = np.random.default_rng(11)
@@ -208,7 +208,7 @@ def blobs(count: int = 200) -> iso.Field:
 
 def without_regions(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(field_tree, "_SHORT", 10**9)
-    monkeypatch.setattr(lower_scene, "_latest", Latest())
+    monkeypatch.setattr(lower_scene, "_latest", LatestScene())
 
 
 def test_regions_with_shorter_tapes_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:

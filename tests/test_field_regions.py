@@ -13,7 +13,7 @@ from isophote.accel import field_tree
 from isophote.accel.field_tree import FieldTree, build_field_tree
 from isophote.kernels.accel.field_layout import CHILDREN, EMPTY, INSIDE, NODE
 from isophote.lower import scene as lower_scene
-from isophote.lower.latest import Latest
+from isophote.lower.latest import LatestScene
 from isophote.shapes.field.evaluate import packed_data
 from isophote.shapes.field.tape import numpy_values, tape_of
 
@@ -114,7 +114,7 @@ def test_rays_along_faces_and_through_corners_of_cells_miss_nothing(monkeypatch:
     found = [iso.Tracer(shape).closest(origins, d) for d in (directions, tilted)]
     monkeypatch.setattr(field_tree, "_SHORT", 10**9)
     monkeypatch.setattr(field_tree, "_FINE_ROWS", 0)
-    monkeypatch.setattr(lower_scene, "_latest", Latest())
+    monkeypatch.setattr(lower_scene, "_latest", LatestScene())
     whole = [iso.Tracer(shape).closest(origins, d) for d in (directions, tilted)]
     for a, b in zip(found, whole, strict=True):
         assert a.hit.sum() > 1000

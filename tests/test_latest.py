@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import gc
 
+import attrs
+
 import isophote as iso
 from isophote.lower import scene as lower
-from isophote.lower.latest import Latest
+from isophote.lower.latest import LatestScene
 
 TRIANGLE = iso.Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
 FRONT, SIDE = iso.Camera((0, 0, 3), (0, 0, 0)), iso.Camera((1, 0, 3), (0, 0, 0))
@@ -33,7 +35,7 @@ def test_other_items_or_lights_are_lowered_anew() -> None:
 
 
 def test_tables_are_let_go_with_their_items() -> None:
-    latest = Latest()
+    latest = LatestScene()
     scene = iso.Scene([iso.Item(TRIANGLE)])
     latest.keep(scene, "bvh", {})
     assert latest.find(scene, "bvh") == {}
@@ -41,4 +43,19 @@ def test_tables_are_let_go_with_their_items() -> None:
     assert latest.find(same_looking, "bvh") is None
     del scene
     gc.collect()
-    assert latest._kept is None
+    assert latest._latest._kept is None
+
+
+def test_pictures_keep_their_levels_under_other_lights() -> None:
+    picture = iso.ImageTexture([[0, 100], [200, 50]])
+    scene = iso.Scene([iso.Item(TRIANGLE, iso.Matte(picture))], lights=[iso.Sky()], camera=FRONT)
+
+    def texels(scene: iso.Scene) -> object:
+        return lower.lower_scene(scene, (4, 4)).arrays["textures"].arrays["bytes"]
+
+    first = texels(scene)
+    assert texels(scene.with_(lights=[iso.Sky("red")])) is first
+    sharp = iso.Matte(attrs.evolve(picture, filter="nearest"))
+    assert texels(scene.with_(items=[iso.Item(TRIANGLE, sharp)])) is not first
+    other = iso.Matte(iso.ImageTexture([[0, 100], [200, 50]]))
+    assert texels(scene.with_(items=[iso.Item(TRIANGLE, other)])) is not first

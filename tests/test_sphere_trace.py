@@ -14,7 +14,7 @@ from command_line import refuses, succeeds
 from isophote.accel import field_tree
 from isophote.errors import RenderError
 from isophote.lower import scene as lower_scene
-from isophote.lower.latest import Latest
+from isophote.lower.latest import LatestScene
 from scenes import plane
 
 WHITE = iso.Matte((1, 1, 1))
@@ -78,7 +78,7 @@ def test_regions_change_nothing_but_the_steps(monkeypatch: pytest.MonkeyPatch) -
     shape = iso.union(*(iso.sphere(radius).translate(place) for place, radius in spheres), blend=0.05)
     pruned = picture([iso.Item(shape)])
     monkeypatch.setattr(field_tree, "_SHORT", 10**9)
-    monkeypatch.setattr(lower_scene, "_latest", Latest())
+    monkeypatch.setattr(lower_scene, "_latest", LatestScene())
     whole = picture([iso.Item(shape)])
     assert (np.isfinite(pruned["depth"]) != np.isfinite(whole["depth"])).mean() < 0.001
     both = np.isfinite(pruned["depth"]) & np.isfinite(whole["depth"])

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import threading
-import weakref
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,6 +11,7 @@ from isophote.accel.mesh_distance import MeshDistance, build_mesh_distance
 from isophote.convert.triangulate import Triangles, triangulate
 from isophote.errors import GeometryError
 from isophote.kernels.measure.mesh_distance import FURTHEST
+from isophote.latest import Latest
 from isophote.shapes.mesh import Mesh
 
 __all__ = ["Prepared", "points_for", "prepared"]
@@ -25,48 +24,21 @@ class Prepared(NamedTuple):
     distance: MeshDistance
 
 
-class _Latest:
-    """What was prepared last; let go as soon as its mesh is."""
-
-    def __init__(self) -> None:
-        self._lock = threading.Lock()
-        self._kept: tuple[tuple[weakref.ref[npt.NDArray[Any]], ...], Prepared] | None = None
-
-    def find(self, mesh: Mesh) -> Prepared | None:
-        with self._lock:
-            kept = self._kept
-        if kept is None:
-            return None
-        same = all(ref() is own for ref, own in zip(kept[0], _arrays(mesh), strict=True))
-        return kept[1] if same else None
-
-    def keep(self, mesh: Mesh, made: Prepared) -> None:
-        refs = tuple(weakref.ref(own, self._forget) for own in _arrays(mesh))
-        with self._lock:
-            self._kept = refs, made
-
-    def _forget(self, dead: weakref.ref[npt.NDArray[Any]]) -> None:
-        # No lock: a collection may call this while one is held, and setting a name is atomic.
-        kept = self._kept
-        if kept is not None and any(dead is ref for ref in kept[0]):
-            self._kept = None
-
-
 def _arrays(mesh: Mesh) -> tuple[npt.NDArray[Any], ...]:
     """The arrays that make a mesh what it is to queries. They cannot be written to, so they stand for the mesh."""
     return mesh.vertices, mesh.indices, mesh.offsets
 
 
-_latest = _Latest()
+_latest: Latest[Prepared] = Latest()
 
 
 def prepared(mesh: Mesh) -> Prepared:
     """The mesh made ready for queries, or what was made of it for the last one."""
-    found = _latest.find(mesh)
+    found = _latest.find(_arrays(mesh))
     if found is None:
         triangles = triangulate(mesh)
         found = Prepared(triangles, build_mesh_distance(mesh.vertices, triangles.triangles))
-        _latest.keep(mesh, found)
+        _latest.keep(_arrays(mesh), found)
     return found
 
 

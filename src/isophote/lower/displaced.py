@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from isophote.errors import GeometryError, SceneError
-from isophote.lower.latest import Latest
+from isophote.lower.latest import LatestScene
 from isophote.scene.camera import AnyCamera
 from isophote.scene.displacement import Displacement
 from isophote.scene.scene import Item, Scene
@@ -27,7 +27,7 @@ _MARGIN, _COARSER = 0.25, 4.0
 # What is lowered for no picture, is for this size.
 _NO_PICTURE = (1, 1)
 
-_latest: Latest[tuple[Item, ...]] = Latest()
+_latest: LatestScene[tuple[Item, ...]] = LatestScene()
 
 
 def displaced(scene: Scene, size: tuple[int, int] | None = None) -> Scene:

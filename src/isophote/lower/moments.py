@@ -18,7 +18,7 @@ from isophote.kernels.texture.contract import TEXTURES
 from isophote.kernels.trace.tables import SCENE
 from isophote.lower.displaced import displaced
 from isophote.lower.field_table import endless
-from isophote.lower.latest import Latest
+from isophote.lower.latest import LatestScene
 from isophote.lower.materials import emission_of
 from isophote.lower.own_space import own_spaces
 from isophote.lower.packing import repacked
@@ -124,7 +124,7 @@ class _First(NamedTuple):
 
 
 # The scene lowered last with its shutter open, for another view of it or other times.
-_latest: Latest[_First] = Latest()
+_latest: LatestScene[_First] = LatestScene()
 
 
 def lower_moments(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -9,6 +10,7 @@ import numpy.typing as npt
 
 from isophote.kernels.texture import contract
 from isophote.kernels.texture.contract import IN_FLOATS, PLAIN, SRGB
+from isophote.latest import Latest
 from isophote.scene.colour import srgb_to_linear
 from isophote.scene.image_texture import ImageTexture
 
@@ -27,6 +29,35 @@ class PictureTable:
     """The levels of all pictures, one after another."""
 
     def __init__(self) -> None:
+        self._pictures: list[ImageTexture] = []
+
+    def add(self, picture: ImageTexture) -> int:
+        """Row of `codes` of a picture."""
+        self._pictures.append(picture)
+        return len(self._pictures) - 1
+
+    def fields(self) -> dict[str, Any]:
+        """Fields of the table of textures; those of the same pictures in the same order are the same arrays."""
+        pixels = [picture.pixels for picture in self._pictures]
+        settings: list[Hashable] = [(one.colour_space, one.filter, one.wraps) for one in self._pictures]
+        kept = _latest.find(pixels)
+        if kept is None or kept[0] != settings:
+            levels = _Levels()
+            for picture in self._pictures:
+                levels.add(picture)
+            kept = settings, levels.fields()
+            _latest.keep(pixels, kept)
+        return kept[1]
+
+
+# The levels of the pictures of the scene lowered last: other lights or items need no new ones.
+_latest: Latest[tuple[list[Hashable], dict[str, Any]]] = Latest()
+
+
+class _Levels:
+    """The levels of some pictures, gathered."""
+
+    def __init__(self) -> None:
         self._codes: list[list[int]] = []
         self._levels: list[list[int]] = []
         self._parts: dict[bool, list[Texels]] = {
@@ -35,8 +66,8 @@ class PictureTable:
         }
         self._counts = {True: 0, False: 0}
 
-    def add(self, picture: ImageTexture) -> int:
-        """Row of `codes` of a picture."""
+    def add(self, picture: ImageTexture) -> None:
+        """The levels of one more."""
         width, height = picture.size
         texels = _with_alpha(picture)
         is_bytes = texels.dtype == np.uint8
@@ -49,7 +80,6 @@ class PictureTable:
             self._parts[is_bytes].append(level)
             self._counts[is_bytes] += len(level)
             width, height = max(width // 2, 1), max(height // 2, 1)
-        return len(self._codes) - 1
 
     def fields(self) -> dict[str, Any]:
         """Fields of the table of textures."""

@@ -15,7 +15,7 @@ from isophote.lower.displaced import displaced
 from isophote.lower.field_table import FieldPart, endless, no_fields
 from isophote.lower.geometry import Part, lower_geometry
 from isophote.lower.lamps import lamp_primitive, many_lamps
-from isophote.lower.latest import Latest
+from isophote.lower.latest import LatestScene
 from isophote.lower.lights import LightTable, rectangle_mesh
 from isophote.lower.materials import MaterialTable, aimed_emission_of, emission_texture_of, is_mapped
 from isophote.lower.media import lower_media
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 __all__ = ["Parts", "camera_rows", "lights_of", "lower_scene", "parts_of", "tables_of"]
 
 
-_latest: Latest[dict[str, Packed]] = Latest()
+_latest: LatestScene[dict[str, Packed]] = LatestScene()
 
 
 def lower_scene(
