@@ -31,12 +31,13 @@ from isophote.kernels.base.simd import (
 )
 from isophote.kernels.forms.triangle import hit_block, shear
 
-__all__ = ["FAR_SLACK", "any_triangle", "closest_triangle", "enter_children", "slabs"]
+__all__ = ["FAR_SLACK", "any_below", "any_triangle", "closest_triangle", "enter_children", "slabs"]
 
 _ZERO = np.float32(0)
 # Rounding of a whole distance is a few 2^-24 of it, given room to spare.
 FAR_SLACK = np.float32(1 + 2.0**-20)
 _NO_HIT = np.int64(-1)
+_BOTTOM = np.int64(0)
 
 
 class Slabs(NamedTuple):
@@ -181,9 +182,14 @@ def closest_triangle(nodes, blocks, root, origin, direction, t_max, stack):
 def any_triangle(nodes, blocks, root, origin, direction, t_max, stack):
     """Whether the ray meets a triangle at 0 < t < `t_max`."""
     box = slabs(origin, direction, load_float(nodes, np.int64(root) * NODE + REACH))
-    ray = shear(origin, direction)
-    top = np.int64(0)
-    node = np.int32(root)
+    return any_below(nodes, blocks, np.int32(root), box, shear(origin, direction), t_max, stack, _BOTTOM)
+
+
+@device
+def any_below(nodes, blocks, node, box, ray, t_max, stack, bottom):
+    """Whether the ray meets a triangle below a node or in a leaf, given by its code, at 0 < t < `t_max`. The stack
+    begins at word `bottom`."""
+    top = np.int64(bottom)
     while True:
         if node >= 0:
             base = np.int64(node) * NODE
@@ -203,7 +209,7 @@ def any_triangle(nodes, blocks, root, origin, direction, t_max, stack):
                 met, _, _, _ = hit_block(blocks, block, ray, t_max)
                 if met != 0:
                     return True
-        if top == 0:
+        if top == bottom:
             return False
         top -= 1
         node = load_int(stack, top)

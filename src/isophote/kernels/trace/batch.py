@@ -32,6 +32,7 @@ __all__ = [
     "closest_in_packets",
     "find_blocked",
     "find_blocked_directly",
+    "find_blocked_otherwise",
     "in_packets",
     "trace_rays",
     "trace_shadow_rays",
@@ -228,6 +229,12 @@ def find_blocked(scene, wave, count, coherent):
     """Whether each shadow ray of the wave meets anything before its end, 0 or 1 in its row BLOCKED; `share_left` says
     what is left of the light of others."""
     _blocked_by_triangles(scene.geometry, wave, count, coherent)
+    find_blocked_otherwise(scene, wave, count)
+
+
+@device
+def find_blocked_otherwise(scene, wave, count):
+    """`find_blocked` where the row BLOCKED tells already which rays meet triangles."""
     find_blocked_directly(scene, wave, count)
     if scene.lights.lamps.rows > 0:
         _blocked_by_lamps(scene.lights, wave, count)

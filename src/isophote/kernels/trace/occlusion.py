@@ -11,13 +11,15 @@ import math
 
 import numpy as np
 
+from isophote.kernels.accel.bundle import BUNDLE
 from isophote.kernels.base.jit import device, kernel
 from isophote.kernels.base.sampler import SOBOL, draw_pairs
 from isophote.kernels.base.table import DOUBLE_BOXES, FLOAT, FLOAT_ROWS, FLOATS, INT, Table
 from isophote.kernels.base.vec import orthonormal, vec3
 from isophote.kernels.base.warp import to_disk
 from isophote.kernels.trace import wave as rows
-from isophote.kernels.trace.batch import find_blocked
+from isophote.kernels.trace.batch import find_blocked, find_blocked_otherwise
+from isophote.kernels.trace.bundles import blocked_in_bundles, in_bundles
 from isophote.kernels.trace.holes import share_left
 from isophote.kernels.trace.tables import SCENE
 from isophote.kernels.trace.wave import row_vec3, set_row_vec3
@@ -43,6 +45,8 @@ OPENINGS = Table(
     open=DOUBLE_BOXES,
 )
 
+# So few rays of a point go by themselves.
+_FEWEST = np.int64(8)
 _ZERO, _ONE, _TWO = np.float32(0), np.float32(1), np.float32(2)
 _DIMENSION = np.int64(0)
 _SOBOL = np.int64(SOBOL)
@@ -115,13 +119,17 @@ def _row(values, k):
 def find_openings(scene_words, opening_words, wave_words, first_point, last_point):
     """Trace the rays of points first_point ≤ k < last_point and add up the free ones."""
     scene, openings, wave = open_scene(scene_words), open_openings(opening_words), open_wave(wave_words)
-    size, sums = wave.floats.columns, openings.open
+    size, sums = wave.floats.columns // BUNDLE * BUNDLE, openings.open
     last = last_point * openings.samples
     for first in range(first_point * openings.samples, last, size):
         count = min(size, last - first)
         _number(openings, wave, first, count)
         _aim(openings, wave, count)
-        find_blocked(scene, wave, count, openings.warp == GIVEN)
+        if openings.samples >= _FEWEST and in_bundles(scene.geometry):
+            blocked_in_bundles(scene.geometry, openings, wave, count)
+            find_blocked_otherwise(scene, wave, count)
+        else:
+            find_blocked(scene, wave, count, openings.warp == GIVEN)
         for i in range(count):
             if wave.ints[rows.BLOCKED, i] == 0:
                 k = np.int64(wave.ints[rows.PIXEL, i])

@@ -12,6 +12,7 @@ import numpy.typing as npt
 from isophote.analysis.curvature.normals import vertex_normals
 from isophote.convert.triangulate import triangulate
 from isophote.errors import RenderError
+from isophote.kernels.accel.bundle import BUNDLE_SCRATCH
 from isophote.kernels.base.table import Packed
 from isophote.kernels.trace import occlusion as kernels
 from isophote.kernels.trace.wave import new_wave
@@ -157,7 +158,7 @@ def trace(
 ) -> None:
     """Run the kernel over all points, on all threads. Raises `KeyboardInterrupt` where the user interrupts."""
     pool = Pool(threads)
-    words = scratch_words(scene.arrays["fields"])
+    words = max(BUNDLE_SCRATCH, scratch_words(scene.arrays["fields"]))
     waves = [new_wave(_WAVE, words) for _ in range(pool.threads)]
     step = max(1, _RAYS_A_JOB // samples)
     jobs = range(0, points, step)
