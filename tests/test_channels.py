@@ -169,7 +169,7 @@ def test_instances_look_like_copies():
     assert (a["item"] != b["item"]).mean() < 2e-3
     same = (a["item"] == b["item"]) & (a["primitive"] == b["primitive"]) & (a["item"] >= 0)
     assert same.mean() > 0.6
-    assert np.abs(a["depth"] - b["depth"])[same].max() < 1e-4
+    assert np.abs(a["depth"][same] - b["depth"][same]).max() < 1e-4
     assert np.quantile(np.abs(a["normal"] - b["normal"])[same].max(axis=1), 0.995) < 1e-3
     assert np.quantile(np.abs(a["albedo"] - b["albedo"])[same].max(axis=1), 0.99) < 1e-5
     deviation = (a["colour"] - b["colour"]) / np.sqrt(a["variance"] + b["variance"] + 1e-8)

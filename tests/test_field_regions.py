@@ -121,7 +121,7 @@ def test_rays_along_faces_and_through_corners_of_cells_miss_nothing(monkeypatch:
         # Rays that touch a face may go either way.
         assert (a.hit != b.hit).sum() <= 4
         both = a.hit & b.hit
-        assert np.abs(a.distance - b.distance)[both].max() < 1e-4
+        assert np.abs(a.distance[both] - b.distance[both]).max() < 1e-4
 
 
 @pytest.mark.parametrize("name", SHAPES)

@@ -59,7 +59,8 @@ def arguments(seed: int) -> tuple[Singles, Singles]:
     inside = rng.uniform(-1.1, 1.1, (2, COUNT))
     quarters = np.arange(2 * COUNT).reshape(2, -1) * (np.pi / 2)
     pairs = np.stack(np.meshgrid(SPECIAL, SPECIAL)).reshape(2, -1)
-    a, b = np.concatenate([bits, common, inside, quarters, pairs], axis=1).astype(np.float32)
+    with np.errstate(invalid="ignore"):  # signalling NaNs among the bits
+        a, b = np.concatenate([bits, common, inside, quarters, pairs], axis=1).astype(np.float32)
     return a, b
 
 

@@ -77,7 +77,7 @@ def check(mesh: iso.Mesh, count: int) -> None:
     both = sure & hits.hit
     assert both.any()
     reach = np.abs(mesh.vertices).max() / np.linalg.norm(directions, axis=1)
-    assert (np.abs(hits.distance - distance)[both] <= 2e-5 * (distance + reach)[both]).all()
+    assert (np.abs(hits.distance[both] - distance[both]) <= 2e-5 * (distance + reach)[both]).all()
     # Where other triangles are as near, which one it is does not matter.
     same = both & (hits.primitive == faces[triangle])
     assert same[both].mean() > 0.98
