@@ -10,8 +10,9 @@ from scipy.spatial import ConvexHull, HalfspaceIntersection
 import isophote as iso
 from accelerator_rays import rays_at
 from isophote.accel.accelerator import Built, build_accelerator
+from isophote.accel.treelets import CHILDREN, PLANES, ROOT, leaf_lanes, parted, plane_lanes
 from isophote.kernels.accel.bsp_cell import CELL, CELL_WORK, areas_of_cut, cell_area, cell_extent, cut_cell, start_cell
-from isophote.kernels.accel.bsp_layout import KINDS, LEAF, NODE, PLANE, SHIFT, SLANTED, TOLERANCE
+from isophote.kernels.accel.bsp_layout import CODES, SLANTED, TOLERANCE, TREELET
 from isophote.kernels.accel.bsp_polygon import Plane
 from isophote.kernels.accel.layout import BLOCK, LANES, NUMBER
 from trees import GEOMETRIES, Geometry, soup
@@ -91,33 +92,51 @@ def test_surfaces_of_cells_as_by_half_spaces():
 # --- trees ----------------------------------------------------------------------------------------
 
 
-def tables_of(built: Built) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Nodes as int32 and as float32, and planes."""
-    nodes = built.tables.arrays["nodes"].reshape(-1, NODE)
-    return nodes.view(np.int32), nodes, built.tables.arrays["planes"].reshape(-1, PLANE)
-
-
 def leaves_at(built: Built, point: np.ndarray, within: float) -> set[int]:
     """The triangles of all leaves that a point is in; on both sides of planes that it is not farther from."""
-    codes, places, planes = tables_of(built)
-    numbers = built.blocks.view(np.int32).reshape(-1, BLOCK)[:, NUMBER:].reshape(-1)
+    words, codes = words_of(built)
     found: set[int] = set()
-    pending = [0]
+    pending = [ROOT]
     while pending:
-        node = pending.pop()
-        first, code = codes[node]
-        kind = code & KINDS
-        if kind == LEAF:
-            found.update(numbers[first * LANES : first * LANES + (code >> SHIFT)].tolist())
+        node = np.array([pending.pop()])
+        [plane] = planes_at(words, node)
+        if not np.isfinite(plane[3]):
+            found.update(triangles_of(built, node)[0])
             continue
-        if kind == SLANTED:
-            height = planes[first, :3].astype(float) @ point - float(planes[first, 3])
-        else:
-            height = point[kind] - float(places[node, 0])
+        height = plane[:3] @ point - plane[3]
+        lower, upper = (int(side[0]) for side in parted(node, codes))
         if height <= within:
-            pending.append(int(code >> SHIFT))
+            pending.append(lower)
         if height >= -within:
-            pending.append(int(code >> SHIFT) + 1)
+            pending.append(upper)
+    return found
+
+
+def words_of(built: Built) -> tuple[np.ndarray, np.ndarray]:
+    """Words of the treelets, and codes of their children."""
+    words = built.tables.arrays["nodes"].reshape(-1, TREELET)
+    return words, words[:, CODES:].view(np.int32)
+
+
+def planes_at(words: np.ndarray, nodes: np.ndarray) -> np.ndarray:
+    """Normals and places of the nodes' planes, (n, 4); the place of what is a leaf is infinite."""
+    treelets, lanes = plane_lanes(nodes)
+    planes = words[treelets, :CODES].reshape(-1, 4, CHILDREN)[np.arange(len(nodes)), :, lanes].astype(float)
+    planes[lanes == PLANES, 3] = np.inf
+    return planes
+
+
+def triangles_of(built: Built, nodes: np.ndarray) -> list[list[int]]:
+    """Numbers of the triangles of leaves."""
+    _, codes = words_of(built)
+    numbers = built.blocks.view(np.int32).reshape(-1, BLOCK)[:, NUMBER:].reshape(-1)
+    leaves = built.tables.arrays["leaves"].reshape(-1, 2)
+    found = []
+    for code in codes[leaf_lanes(nodes)].tolist():
+        first, count = divmod(-1 - code, 32) if code < 0 else (0, 0)
+        if code < 0 and count == 0:
+            first, count = leaves[first]
+        found.append(numbers[first * LANES : first * LANES + count].tolist())
     return found
 
 
@@ -138,17 +157,18 @@ def test_leaves_hold_every_triangle_that_reaches_into_them(geometry):
 def test_memory_and_depth_are_bounded(geometry):
     count = len(geometry[1])
     built = build_accelerator("bsp", *geometry)
-    codes, _, planes = tables_of(built)
-    leaf = (codes[:, 1] & KINDS) == LEAF
-    assert (codes[leaf, 1] >> SHIFT).sum() <= 6 * count + LANES
-    assert len(codes) <= 8 * count + 16
-    levels = np.zeros(len(codes), int)
-    for node in np.flatnonzero(~leaf):
-        child = codes[node, 1] >> SHIFT
-        assert child > node
-        levels[child : child + 2] = levels[node] + 1
-    assert levels.max() <= 8 + int(1.3 * np.log2(count))
-    assert np.allclose(np.linalg.norm(planes[:, :3].astype(float), axis=1), 1, rtol=0, atol=2e-7)
+    words, codes = words_of(built)
+    nodes, references, made = np.array([ROOT]), 0, 0
+    for _ in range(9 + int(1.3 * np.log2(count))):
+        made += len(nodes)
+        planes = planes_at(words, nodes)
+        inner = np.isfinite(planes[:, 3])
+        references += sum(map(len, triangles_of(built, nodes[~inner])))
+        assert np.allclose(np.linalg.norm(planes[inner, :3], axis=1), 1, rtol=0, atol=2e-7)
+        nodes = np.concatenate(parted(nodes[inner], codes))
+    assert len(nodes) == 0
+    assert references <= 6 * count + LANES
+    assert made <= 8 * count + 16
 
 
 def test_turned_boxes_take_fewer_steps_than_in_a_kd_tree():

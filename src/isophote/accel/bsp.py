@@ -10,10 +10,23 @@ import numpy.typing as npt
 
 from isophote.accel.accelerator import Accelerator, Built, blocks_of, padded_slots
 from isophote.accel.crew import crew, ranges
+from isophote.accel.treelets import CHILDREN, MISSING, PLANES, treelets_of
 from isophote.kernels.accel.bsp_build import PART, TASK, grow, root_cell, whole_parts
 from isophote.kernels.accel.bsp_cell import CELL
 from isophote.kernels.accel.bsp_entry import any_in_bsp, closest_in_bsp, things_in_bsp
-from isophote.kernels.accel.bsp_layout import BSP, KINDS, LEAF, NODE, PLANE, SHIFT, SLANTED
+from isophote.kernels.accel.bsp_layout import (
+    BSP,
+    CODES,
+    COMMON,
+    KINDS,
+    LEAF,
+    NODE,
+    PLANE,
+    PRESENT,
+    SHIFT,
+    SLANTED,
+    TREELET,
+)
 from isophote.kernels.accel.layout import LANES
 
 __all__ = ["BSP_TREE"]
@@ -51,7 +64,7 @@ def _build(positions: FloatArray, triangles: IntArray, threads: int | None) -> B
     corners = positions[triangles.reshape(-1)]
     bounds = np.stack([corners.min(axis=0, initial=np.inf), corners.max(axis=0, initial=-np.inf)]).astype(np.float32)
     if count == 0:
-        table = _table(np.array([[0, LEAF]], np.int32), np.empty(0, np.float32), np.zeros((2, 3), np.float32))
+        table = _table(np.array([[0, LEAF]], np.int32), np.zeros((0, PLANE), np.float32), np.zeros((2, 3), np.float32))
         return Built(table, np.empty(0, np.float32), bounds)
     flat = positions.reshape(-1), triangles.reshape(-1), float(np.abs(bounds).max())
     with crew(threads, count) as run:
@@ -75,12 +88,31 @@ def _build(positions: FloatArray, triangles: IntArray, threads: int | None) -> B
 
 
 def _table(nodes: IntArray, planes: FloatArray, bounds: FloatArray) -> Any:
+    """The table of a tree of such nodes and (n, PLANE) slanted planes."""
+    kinds = nodes[:, 1] & KINDS
+    child = np.where(kinds == LEAF, MISSING, nodes[:, 1] >> SHIFT).astype(np.int32)
+    tree = treelets_of(child, nodes[:, 0], nodes[:, 1] >> SHIFT)
+    there, missing = tree.planes != MISSING, [0, 0, 0, np.inf]
+    words = np.zeros((len(tree.planes), TREELET), np.float32)
+    rows = np.where(there[..., None], _planes_of(nodes, planes)[tree.planes], missing)
+    words[:, : 4 * CHILDREN].reshape(-1, 4, CHILDREN)[:, :, :PLANES] = rows.transpose(0, 2, 1)
+    words.view(np.int32)[:, PRESENT] = COMMON | (tree.present @ (1 << np.arange(CHILDREN)))
+    words.view(np.int32)[:, CODES:] = tree.codes
     return BSP.pack(
-        nodes=np.ascontiguousarray(nodes).view(np.float32).reshape(-1),
-        planes=planes,
+        nodes=words.reshape(-1),
+        leaves=tree.leaves.reshape(-1),
         bounds=np.ascontiguousarray(bounds.reshape(-1)),
         reach=float(np.abs(bounds).max()),
     )
+
+
+def _planes_of(nodes: IntArray, planes: FloatArray) -> FloatArray:
+    """The planes (n, PLANE) of nodes; anything for leaves."""
+    kinds = nodes[:, 1] & KINDS
+    found = np.concatenate([np.eye(3, dtype=np.float32)[np.minimum(kinds, 2)], nodes[:, :1].view(np.float32)], axis=1)
+    slanted = kinds == SLANTED
+    found[slanted] = planes[nodes[slanted, 0]]
+    return found
 
 
 def _root(bounds: FloatArray) -> Doubles:
@@ -138,7 +170,7 @@ def _joined(top: _Subtree, below: list[_Subtree]) -> tuple[IntArray, FloatArray,
         node += len(own) - 2
         plane += len(part.planes) // PLANE
         reference += len(part.references)
-    return np.concatenate(nodes), np.concatenate(planes), np.concatenate(references)
+    return np.concatenate(nodes), np.concatenate(planes).reshape(-1, PLANE), np.concatenate(references)
 
 
 def _into_blocks(nodes: IntArray, references: IntArray) -> IntArray:

@@ -8,7 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from isophote.accel.accelerator import Built
-from isophote.kernels.accel.bsp_layout import KINDS, LEAF, NODE, PLANE, SHIFT, SLANTED
+from isophote.accel.treelets import CHILDREN, PLANES, ROOT, parted, plane_lanes
+from isophote.kernels.accel.bsp_layout import CODES, PLACES, TREELET
 
 __all__ = ["Cell", "bsp_levels"]
 
@@ -22,36 +23,25 @@ _SAME = 1e-9
 
 def bsp_levels(built: Built, depth: int, most: int) -> list[list[Cell]]:
     """Cells of the nodes from the root, level 0, to level `depth`; none from a level with more than `most` on."""
-    nodes = built.tables.arrays["nodes"].reshape(-1, NODE)
-    codes, planes = nodes.view(np.int32), built.tables.arrays["planes"].reshape(-1, PLANE)
-    numbers, cells = [0], [_box(built.bounds.astype(np.float64))]
+    words = built.tables.arrays["nodes"].reshape(-1, TREELET)
+    planes, codes = (
+        words[:, : 4 * CHILDREN].reshape(-1, 4, CHILDREN).astype(np.float64),
+        words[:, CODES:].view(np.int32),
+    )
+    numbers, cells = np.array([ROOT]), [_box(built.bounds.astype(np.float64))]
     levels = [cells]
     while len(levels) <= depth:
-        inner = [k for k, number in enumerate(numbers) if codes[number, 1] & KINDS != LEAF]
+        treelets, lanes = plane_lanes(numbers)
+        inner = np.flatnonzero((lanes < PLANES) & np.isfinite(words[treelets, PLACES + lanes]))
         if not 0 < 2 * len(inner) <= most:
             break
-        following: list[int] = []
         parts: list[Cell] = []
         for k in inner:
-            number = numbers[k]
-            child = int(codes[number, 1]) >> SHIFT
-            normal, place = _plane(nodes[number], planes)
-            for side in (0, 1):
-                sign = 1.0 - 2.0 * side
-                following.append(child + side)
-                parts.append(_below(cells[k], sign * normal, sign * place))
-        numbers, cells = following, parts
+            *normal, place = planes[treelets[k], :, lanes[k]]
+            parts += [_below(cells[k], sign * np.array(normal), sign * place) for sign in (1.0, -1.0)]
+        numbers, cells = np.stack(parted(numbers[inner], codes), axis=1).reshape(-1), parts
         levels.append(cells)
     return levels
-
-
-def _plane(node: npt.NDArray[np.float32], planes: npt.NDArray[np.float32]) -> tuple[Points, float]:
-    """The plane n · x = place of an inner node."""
-    first, code = node.view(np.int32)
-    kind = int(code) & KINDS
-    if kind == SLANTED:
-        return planes[first, :3].astype(np.float64), float(planes[first, 3])
-    return np.eye(3)[kind], float(node[0])
 
 
 def _box(bounds: Points) -> Cell:

@@ -11,10 +11,11 @@ import numpy.typing as npt
 from isophote.accel.accelerator import Built
 from isophote.accel.bih import finish
 from isophote.accel.bsp_cells import bsp_levels
+from isophote.accel.treelets import PLANES, ROOT, parted, plane_lanes
 from isophote.errors import GeometryError
 from isophote.kernels.accel import bih_layout
 from isophote.kernels.accel.grid_layout import SIZE
-from isophote.kernels.accel.kd_layout import LEAF
+from isophote.kernels.accel.kd_layout import ACROSS_Z, AXES, CODES, TREELET
 from isophote.kernels.accel.layout import CHILD, LOWER, NODE, UPPER, WIDTH
 
 __all__ = ["SHOWN", "Edges", "Level", "edges_of", "levels_of"]
@@ -88,21 +89,22 @@ def _bvh_levels(built: Built, depth: int) -> list[Level]:
 
 
 def _kd_levels(built: Built, depth: int) -> list[Level]:
-    nodes = built.tables.arrays["nodes"].reshape(-1, 2)
-    planes, codes = nodes[:, 0].astype(np.float64), nodes[:, 1].copy().view(np.int32)
-    numbers, boxes = np.zeros(1, np.int64), built.bounds.astype(np.float64)[None]
+    words = built.tables.arrays["nodes"].reshape(-1, TREELET)
+    codes = words[:, CODES:].view(np.int32)
+    axes = words[:, AXES].copy().view(np.int32)
+    numbers, boxes = np.array([ROOT]), built.bounds.astype(np.float64)[None]
     levels = [boxes]
     while len(levels) <= depth:
-        inner = np.flatnonzero((codes[numbers] & 3) != LEAF)
+        treelets, lanes = plane_lanes(numbers)
+        inner = np.flatnonzero((lanes < PLANES) & np.isfinite(words[treelets, lanes]))
         if not 0 < 2 * len(inner) <= MOST_BOXES:
             break
-        code, plane = codes[numbers[inner]], planes[numbers[inner]]
-        axis, row = code & 3, np.arange(len(inner))
+        treelet, lane, row = treelets[inner], lanes[inner], np.arange(len(inner))
+        axis = (axes[treelet] >> lane & 1) + 2 * (axes[treelet] >> (ACROSS_Z + lane) & 1)
         below, above = boxes[inner].copy(), boxes[inner].copy()
-        below[row, 1, axis] = plane
-        above[row, 0, axis] = plane
+        below[row, 1, axis] = above[row, 0, axis] = words[treelet, lane]
         boxes = np.concatenate([below, above])
-        numbers = np.concatenate([code >> 2, (code >> 2) + 1]).astype(np.int64)
+        numbers = np.concatenate(parted(numbers[inner], codes))
         levels.append(boxes)
     return levels
 

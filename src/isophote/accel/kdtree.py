@@ -10,9 +10,10 @@ import numpy.typing as npt
 
 from isophote.accel.accelerator import Accelerator, Built, blocks_of, padded_slots
 from isophote.accel.crew import Run, crew, ranges
+from isophote.accel.treelets import CHILDREN, MISSING, PLANES, treelets_of
 from isophote.kernels.accel.kd_build import TASK, grow, triangle_events
 from isophote.kernels.accel.kd_entry import any_in_kd, closest_in_kd, things_in_kd
-from isophote.kernels.accel.kd_layout import KD, LEAF, NODE
+from isophote.kernels.accel.kd_layout import ACROSS_Z, AXES, CODES, COMMON, KD, LEAF, NODE, PRESENT, TREELET
 from isophote.kernels.accel.layout import LANES
 
 __all__ = ["KDTREE"]
@@ -45,9 +46,8 @@ def _build(positions: FloatArray, triangles: IntArray, threads: int | None) -> B
     corners = positions[triangles.reshape(-1)]
     bounds = np.stack([corners.min(axis=0, initial=np.inf), corners.max(axis=0, initial=-np.inf)]).astype(np.float32)
     if count == 0:
-        return Built(
-            _table(np.array([[0, LEAF]], np.int32), np.zeros((2, 3), np.float32)), np.empty(0, np.float32), bounds
-        )
+        table = _table(np.array([[0, LEAF]], np.int32), np.zeros((2, 3), np.float32))
+        return Built(table, np.empty(0, np.float32), bounds)
     flat = positions.reshape(-1), triangles.reshape(-1)
     with crew(threads, count) as run:
         events, counts = _events(run, flat, count)
@@ -69,8 +69,21 @@ def _build(positions: FloatArray, triangles: IntArray, threads: int | None) -> B
 
 
 def _table(nodes: IntArray, bounds: FloatArray) -> Any:
+    """The table of a tree of such nodes."""
+    kinds = nodes[:, 1] & 3
+    child = np.where(kinds == LEAF, MISSING, nodes[:, 1] >> 2).astype(np.int32)
+    tree = treelets_of(child, nodes[:, 0], nodes[:, 1] >> 2)
+    there = tree.planes != MISSING
+    words = np.zeros((len(tree.planes), TREELET), np.int32)
+    words[:, :PLANES] = np.where(there, nodes[tree.planes, 0], np.float32(np.inf).view(np.int32))
+    axes = np.where(there, kinds[tree.planes], 0)
+    bit = 1 << np.arange(CHILDREN)
+    words[:, AXES] = COMMON | ((axes == 1) @ bit[:PLANES]) | (((axes == 2) @ bit[:PLANES]) << ACROSS_Z)
+    words[:, AXES] |= (tree.present @ bit) << PRESENT
+    words[:, CODES:] = tree.codes
     return KD.pack(
-        nodes=np.ascontiguousarray(nodes).view(np.float32).reshape(-1),
+        nodes=words.view(np.float32).reshape(-1),
+        leaves=tree.leaves.reshape(-1),
         bounds=np.ascontiguousarray(bounds.reshape(-1)),
         reach=float(np.abs(bounds).max()),
     )

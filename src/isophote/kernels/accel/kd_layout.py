@@ -1,6 +1,14 @@
-"""How a kd-tree lies in memory, and the words of events that it is built from.
+"""How a kd-tree lies in memory, and the words that it is built from: nodes of one plane, and events.
 
-A node fills NODE words, its children lie side by side, at an even number `child` (the lower side) and the next:
+Rays go through treelets of seven planes (treelet.py), which fill TREELET words, a cache line:
+
+    words 0–6    positions of the planes
+    word 7       bits 0–6: planes across y, 8–14: planes across z, 16–23: children that there are; bit 30 is set, so
+                 that the word is a float of common size beside the planes
+    words 8–15   codes of children, int32
+
+While it is built, a node has one plane and fills NODE words, its children lie side by side, at an even number `child`
+(the lower side) and the next:
 
     inner   position of the plane (float32), child · 4 + axis (int32)
     leaf    first block (int32), triangles · 4 + LEAF (int32)
@@ -15,16 +23,21 @@ import numpy as np
 
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.simd import as_float, load_int, store_float
-from isophote.kernels.base.table import FLOAT, FLOATS, Table
+from isophote.kernels.base.table import FLOAT, FLOATS, INTS, Table
 
 __all__ = [
+    "ACROSS_Z",
+    "AXES",
+    "CODES",
+    "COMMON",
     "END",
     "KD",
     "LEAF",
-    "MOST_DEPTH",
     "NODE",
     "PLANAR",
+    "PRESENT",
     "START",
+    "TREELET",
     "event",
     "event_kind",
     "event_place",
@@ -33,11 +46,12 @@ __all__ = [
 
 NODE = 2
 LEAF = 3
-# 8 + 1.3 log2 n for 2^28 triangles.
-MOST_DEPTH = 45
+TREELET, AXES, CODES = 16, 7, 8
+ACROSS_Z, PRESENT, COMMON = 8, 16, 1 << 30
 
-# `nodes` as above; `bounds` (6,): least and greatest corner; `reach`: the largest coordinate's size.
-KD = Table("Kd", nodes=FLOATS, bounds=FLOATS, reach=FLOAT)
+# `nodes`: treelets as above; `leaves` of two words (treelet.py); `bounds` (6,): least and greatest corner; `reach`: the
+# largest coordinate's size.
+KD = Table("Kd", nodes=FLOATS, leaves=INTS, bounds=FLOATS, reach=FLOAT)
 
 END, PLANAR, START = 0, 1, 2
 _KIND, _PLACE = np.uint64(30), np.uint64(32)
