@@ -50,6 +50,7 @@ def _half_card() -> iso.Scene:
         (iso.PathTrace(samples=64), 0.05, 1e-3),
         (iso.RayTrace(), 2e-3, 1e-4),
         (iso.AmbientOcclusion(samples=64), 0.08, 1e-3),
+        (iso.SphereTrace(), 1e-5, 2e-3),
     ],
 )
 def test_a_masked_card_is_the_card_cut_in_half(method: object, each: float, mean: float) -> None:

@@ -20,7 +20,15 @@ from isophote.scene.nearest import nearest_principled
 from isophote.scene.relief import NormalMap
 from isophote.scene.texture import Texture
 
-__all__ = ["MaterialTable", "aimed_emission_of", "emission_of", "emission_texture_of", "is_linked", "is_mapped"]
+__all__ = [
+    "MaterialTable",
+    "aimed_emission_of",
+    "emission_of",
+    "emission_texture_of",
+    "is_cut",
+    "is_linked",
+    "is_mapped",
+]
 
 Floats: TypeAlias = npt.NDArray[np.float32]
 
@@ -114,6 +122,11 @@ def aimed_emission_of(material: Material) -> tuple[tuple[float, float, float], b
 def emission_texture_of(material: Material) -> Texture | None:
     """The texture that multiplies what a material emits."""
     return _row(material).emission_texture
+
+
+def is_cut(material: Material) -> bool:
+    """Whether a material has holes, or may let a part of the light straight through."""
+    return _row(material).cut is not None
 
 
 def is_mapped(material: Material) -> bool:

@@ -10,7 +10,7 @@ from isophote.scene.light import AreaLight, Environment, Light, PointLight, Sky,
 from isophote.scene.scene import Scene
 from isophote.scene.spot_light import SpotLight
 
-__all__ = ["warn_if_dark"]
+__all__ = ["warn_if_dark", "warn_if_swallowed"]
 
 _MOST_NAMED = 3
 
@@ -22,6 +22,24 @@ def warn_if_dark(scene: Scene) -> None:
     if any(max(emission_of(item.material)[0]) > 0 for item in scene.items):
         return
     warnings.warn(_reason(scene), IsophoteWarning, stacklevel=4)
+
+
+def warn_if_swallowed(scene: Scene) -> None:
+    """Warn with an `IsophoteWarning` if all light comes from beyond a medium that fills all space."""
+    medium = scene.medium
+    if medium is None or medium.bounds is not None or max(*medium.scattering, *medium.absorption) == 0:
+        return
+    shining = [light for light in scene.lights if _shines(light)]
+    if not shining or not all(isinstance(light, Sky | Sun | Environment) for light in shining):
+        return
+    if any(max(emission_of(item.material)[0]) > 0 for item in scene.items):
+        return
+    warnings.warn(
+        "the scene's medium has no bounds, so no light of skies and suns comes through, and all of it is black: give "
+        "Medium(bounds=[(x, y, z), (x, y, z)]), or lights within it",
+        IsophoteWarning,
+        stacklevel=4,
+    )
 
 
 def _reason(scene: Scene) -> str:

@@ -10,7 +10,7 @@ import attrs
 from isophote.kernels.trace.path import path_trace_tile
 from isophote.kernels.trace.wave import new_wave
 from isophote.lower.field_table import scratch_words
-from isophote.rendering.darkness import warn_if_dark
+from isophote.rendering.darkness import warn_if_dark, warn_if_swallowed
 from isophote.rendering.exposure import Moment, expose, over_moments
 from isophote.rendering.film import Film
 from isophote.rendering.image import Image
@@ -62,6 +62,7 @@ class PathTrace:
     def render(self, job: Job) -> Image:
         """The path-traced picture."""
         warn_if_dark(job.scene)
+        warn_if_swallowed(job.scene)
         warn_of_oddities(job.scene)
         warm_up(job.report, job.scene, "path", self.accelerator)
         began = time.monotonic()

@@ -12,6 +12,7 @@ from isophote.errors import RenderError
 from isophote.rendering.darkness import warn_if_dark
 from isophote.rendering.exposure import expose
 from isophote.rendering.image import Image
+from isophote.rendering.left_out import warn_of_left_out
 from isophote.rendering.method import Job, checked_accelerator, first_hit_channels
 from isophote.rendering.oddities import warn_of_oddities
 from isophote.rendering.passes import MOST_SAMPLES, PATTERNS, Limits, trace_passes
@@ -78,6 +79,7 @@ class RayTrace:
         """The ray-traced picture."""
         warn_if_dark(job.scene)
         warn_of_oddities(job.scene)
+        warn_of_left_out(job.scene, "RayTrace")
         warm_up(job.report, job.scene, "ray", self.accelerator)
         began = time.monotonic()
         job.report("building the tree", 0.0)

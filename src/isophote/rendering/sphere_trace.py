@@ -15,11 +15,13 @@ from isophote.kernels.base.table import Packed
 from isophote.kernels.trace import sphere_lights, sphere_trace
 from isophote.kernels.trace.sphere_march import MARCH_ROWS
 from isophote.kernels.trace.sphere_pixels import PIXEL_ROWS
-from isophote.kernels.trace.sphere_trace import MARCH, SPHERE_PICTURE, sphere_trace_tile
+from isophote.kernels.trace.sphere_tables import MARCH, SHADOW_WORDS, SPHERE_PICTURE
+from isophote.kernels.trace.sphere_trace import sphere_trace_tile
 from isophote.lower.field_table import scratch_words
 from isophote.lower.scene import lower_scene
 from isophote.rendering.darkness import warn_if_dark
 from isophote.rendering.image import Image
+from isophote.rendering.left_out import warn_of_left_out
 from isophote.rendering.method import Array, Job, Size, extent_of
 from isophote.rendering.oddities import warn_of_oddities
 from isophote.rendering.pool import Pool, Tile, tiles_of
@@ -78,8 +80,9 @@ class SphereTrace:
 
     What moves while the shutter is open is the mean of 16 pictures of what stands still.
 
-    All surfaces reflect like matte ones of their base colour. Meshes are drawn, and shadow hard. The channel "steps"
-    counts the evaluations of the field along each pixel's ray.
+    All surfaces reflect like matte ones of their base colour, with normal maps and bumps. Meshes are drawn, and shadow
+    hard. What is cut out is seen where it is at least half there; its shadow is hard, and lighter by 1 − α. The channel
+    "steps" counts the evaluations of the field along each pixel's ray.
     """
 
     max_steps: int = attrs.field(default=512, validator=_steps)
@@ -102,6 +105,7 @@ class SphereTrace:
         """The sphere-traced picture."""
         warn_if_dark(job.scene)
         warn_of_oddities(job.scene)
+        warn_of_left_out(job.scene, "SphereTrace")
         warm_up(job.report, job.scene, "sphere")
         return over_shutter(self._still, job)
 
@@ -111,7 +115,7 @@ class SphereTrace:
         scene = lower_scene(job.scene, job.size, job.threads, marched=True)
         job.report("building the tree", 1.0)
         channels = _channels(job.size)
-        march = self._march(job)
+        march = self._march(job, scene)
         pool = Pool(job.threads)
         words = scratch_words(scene.arrays["fields"])
         pictures = [_picture(channels, job.size, words) for _ in range(pool.threads)]
@@ -129,7 +133,7 @@ class SphereTrace:
             channel.flags.writeable = False
         return Image(channels, metadata)
 
-    def _march(self, job: Job) -> Packed:
+    def _march(self, job: Job, scene: Packed) -> Packed:
         size = extent_of(job.scene)
         step = 0.0 if self.marcher == "sphere" else self.step or _STEP * size
         return MARCH.pack(
@@ -142,6 +146,7 @@ class SphereTrace:
             light_width=self.softness,
             occlusion=_REACH * size if self.occlusion is None else self.occlusion,
             lights=_lights(job.scene.lights),
+            **_hole_entries(scene),
         )
 
 
@@ -167,7 +172,17 @@ def _picture(channels: dict[str, Array], size: Size, words: int) -> Packed:
         scratch=np.zeros(words, np.float32),
         lanes=np.zeros(16 * MARCH_ROWS, np.float32),
         pixels=np.zeros(16 * PIXEL_ROWS, np.float32),
+        shadow=np.zeros(SHADOW_WORDS, np.float32),
     )
+
+
+def _hole_entries(scene: Packed) -> dict[str, int]:
+    if not scene.arrays["materials"].arrays["pass_holes"]:
+        return {"pass_holes": 0, "light_left": 0}
+    # Loaded, and compiled, where there is something to look through.
+    from isophote.kernels.trace.sphere_holes import sphere_left, sphere_pass
+
+    return {"pass_holes": sphere_pass.address, "light_left": sphere_left.address}
 
 
 def _lights(lights: tuple[Light, ...]) -> Floats:

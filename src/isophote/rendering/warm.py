@@ -80,9 +80,9 @@ def _occlusion() -> None:
 
 
 def _sphere_tracer() -> None:
-    from isophote.kernels.trace import sphere_trace
+    from isophote.kernels.trace import sphere_tables, sphere_trace
 
-    words = (_words(table) for table in (tables.SCENE, sphere_trace.MARCH, sphere_trace.SPHERE_PICTURE))
+    words = (_words(table) for table in (tables.SCENE, sphere_tables.MARCH, sphere_tables.SPHERE_PICTURE))
     sphere_trace.sphere_trace_tile(*words, 0, 0, 0, 0)
 
 

@@ -18,6 +18,7 @@ import numpy as np
 
 from isophote.kernels.accel import field_layout as layout
 from isophote.kernels.accel.field_march import affine_doubles, tape_at
+from isophote.kernels.accel.surface import MATERIAL
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.simd import load_float, load_int, lowest_bit, store_float, store_int
 from isophote.kernels.base.vec import dot, vec3
@@ -25,7 +26,7 @@ from isophote.kernels.trace.sphere_march import DX, DY, DZ, END, GROWTH, NEAR, O
 from isophote.kernels.trace.sphere_packet import LANES, TAPE, VALUE, X, Y, Z, evaluate_lanes, region_at
 from isophote.kernels.trace.sphere_pixels import NEARBY, NORMAL, OPEN, PLACE, lane_vec3
 
-__all__ = ["LIGHT", "load_shadow_ray", "may_dim", "occlude_packet", "shade_packet"]
+__all__ = ["LIGHT", "is_cut_field", "load_shadow_ray", "may_dim", "occlude_packet", "shade_packet"]
 
 _ZERO, _HALF, _ONE, _TWO = np.float32(0), np.float32(0.5), np.float32(1), np.float32(2)
 _FAR, _LEAST_SLOPE = np.float32(np.inf), np.float32(1e-6)
@@ -40,6 +41,13 @@ _FIRST_STEP, _BEYOND = np.float32(2.0**-8), np.float32(4)
 # Rows in place of those that only the first ray needs: how wide the light is seen, and what is left of it.
 WIDTH, LIGHT = NEAR, GROWTH
 _TAPS = np.int64(5)
+
+
+@device
+def is_cut_field(scene, k):
+    """Whether field `k` has holes, of which its values know nothing: then its shadow is hard, and it hides no sky."""
+    row = np.int64(scene.fields.numbers[k, layout.SURFACE])
+    return scene.materials.cuts[np.int64(scene.surfaces.items[row, MATERIAL])] >= 0
 
 
 @device
@@ -179,7 +187,7 @@ def shade_packet(fields, k, lanes, active, most, slots):
 
 
 @device
-def occlude_packet(fields, lanes, active, pixels, reach, slots):
+def occlude_packet(scene, lanes, active, pixels, reach, slots):
     """How open the surroundings of each lane's surface are, 0 to 1, into the row OPEN of `pixels`.
 
     1 − Σ wᵢ max(hᵢ − v(p + hᵢ n), 0) / hᵢ / Σ wᵢ for distances hᵢ = i reach / 5, and weights wᵢ = 2⁻ⁱ.
@@ -190,19 +198,22 @@ def occlude_packet(fields, lanes, active, pixels, reach, slots):
     for tap in range(1, _TAPS + 1):
         height = reach * np.float32(tap) / np.float32(_TAPS)
         weight *= _HALF
-        _values_above(fields, lanes, active, pixels, height, slots)
+        _values_above(scene, lanes, active, pixels, height, slots)
         for lane in range(LANES):
             missing = max(height - load_float(pixels, NEARBY + lane), _ZERO) / height
             store_float(pixels, OPEN + lane, load_float(pixels, OPEN + lane) - weight / total * min(missing, _ONE))
 
 
 @device
-def _values_above(fields, lanes, active, pixels, height, slots):
+def _values_above(scene, lanes, active, pixels, height, slots):
     """The least value of all fields `height` above each lane's surface, in the world's units, into the row NEARBY."""
     for lane in range(LANES):
         store_float(pixels, NEARBY + lane, height)
+    fields = scene.fields
     m = fields.to_object
     for k in range(fields.numbers.rows):
+        if is_cut_field(scene, k):
+            continue
         todo, ready = active, _NONE
         stretch = fields.cubes[k, layout.STRETCH]
         while todo != _NONE:

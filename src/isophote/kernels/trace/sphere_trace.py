@@ -17,11 +17,10 @@ from isophote.kernels.accel.field_chain import closest_field, field_occludes
 from isophote.kernels.accel.field_march import slots_at, tape_at
 from isophote.kernels.accel.geometry import SCRATCH_WORDS, Hit, closest_hit, occluded
 from isophote.kernels.accel.surface import MATERIAL, PUBLIC, face_number, offset_point
-from isophote.kernels.base.entry import element_address
+from isophote.kernels.base.entry import call_entry, element_address, table_address
 from isophote.kernels.base.jit import device, kernel
-from isophote.kernels.base.simd import load_float, load_int, lowest_bit, store_float, store_int
-from isophote.kernels.base.table import FLOAT, FLOAT_ROWS, FLOATS, INT, INT_ROWS, Table
-from isophote.kernels.base.vec import dot, length, vec3
+from isophote.kernels.base.simd import load_float, lowest_bit, store_float
+from isophote.kernels.base.vec import dot, length, store_vec3, vec3
 from isophote.kernels.base.warp import INV_PI
 from isophote.kernels.light.bsdf import BLACK
 from isophote.kernels.light.environment import environment_radiance
@@ -30,6 +29,7 @@ from isophote.kernels.trace import sphere_pixels as pixel
 from isophote.kernels.trace.camera import camera_ray
 from isophote.kernels.trace.cone import pixel_cone
 from isophote.kernels.trace.direct import surface_of
+from isophote.kernels.trace.material import turned_normal
 from isophote.kernels.trace.shading import surface_colour, surface_emission
 from isophote.kernels.trace.sphere_lights import light_from
 from isophote.kernels.trace.sphere_march import (
@@ -45,49 +45,26 @@ from isophote.kernels.trace.sphere_march import (
     march_packet,
 )
 from isophote.kernels.trace.sphere_packet import LANES
-from isophote.kernels.trace.sphere_pixels import lane_vec3, set_lane_vec3
-from isophote.kernels.trace.sphere_shadow import LIGHT, load_shadow_ray, may_dim, occlude_packet, shade_packet
+from isophote.kernels.trace.sphere_pixels import keep_hit, kept_hit, lane_vec3, set_lane_vec3
+from isophote.kernels.trace.sphere_shadow import (
+    LIGHT,
+    is_cut_field,
+    load_shadow_ray,
+    may_dim,
+    occlude_packet,
+    shade_packet,
+)
+from isophote.kernels.trace.sphere_tables import END, LEFT, MARCH, SHADOW_DIRECTION, SHADOW_START, SPHERE_PICTURE
 from isophote.kernels.trace.tables import SCENE
 
-__all__ = ["HARD", "MARCH", "NO_SHADOWS", "SOFT", "SPHERE_PICTURE", "sphere_trace_tile"]
+__all__ = ["HARD", "NO_SHADOWS", "SOFT", "sphere_trace_tile"]
 
 NO_SHADOWS, HARD, SOFT = 0, 1, 2
-
-# How rays are followed: most steps and distance, factor on steps, parts of a pixel's width at which they have arrived,
-# length of fixed steps (0: sphere tracing), kind of shadows, tangent of the half angle of lights without a size, and
-# how far occlusion reaches (0: not at all). `lights` (n, 13), see sphere_lights.py.
-MARCH = Table(
-    "March",
-    max_steps=INT,
-    max_distance=FLOAT,
-    relaxation=FLOAT,
-    epsilon=FLOAT,
-    step=FLOAT,
-    shadows=INT,
-    light_width=FLOAT,
-    occlusion=FLOAT,
-    lights=FLOAT_ROWS,
-)
-# Channels (height, channels · width), and scratch: of the trees and entries, of sixteen rays, of sixteen pixels.
-SPHERE_PICTURE = Table(
-    "SpherePicture",
-    colour=FLOAT_ROWS,
-    depth=FLOAT_ROWS,
-    distance=FLOAT_ROWS,
-    normal=FLOAT_ROWS,
-    albedo=FLOAT_ROWS,
-    uv=FLOAT_ROWS,
-    item=INT_ROWS,
-    primitive=INT_ROWS,
-    steps=INT_ROWS,
-    scratch=FLOATS,
-    lanes=FLOATS,
-    pixels=FLOATS,
-)
 
 _ZERO, _HALF, _ONE = np.float32(0), np.float32(0.5), np.float32(1)
 _FAR = np.float32(np.inf)
 _BIT, _NONE, _NO_SLOT = np.int32(1), np.int32(0), np.int64(-1)
+_NO, _YES = np.int64(0), np.int64(1)
 _AT, _ONE_SAMPLE = np.int64(SCRATCH_WORDS), np.int64(1)
 # A shadow ray ends this much short of its light, in parts of its length.
 _SHADOW_END = np.float32(1 - 1e-4)
@@ -104,26 +81,6 @@ open_scene, open_march, open_picture = SCENE.open, MARCH.open, SPHERE_PICTURE.op
 def _step_length(camera, row):
     """How far a camera's row goes from one pixel to the next."""
     return length(vec3(camera[row, 0], camera[row, 1], camera[row, 2]))
-
-
-@device
-def _keep(pixels, lane, hit):
-    store_float(pixels, pixel.DISTANCE + lane, hit.t)
-    store_float(pixels, pixel.WEIGHT1 + lane, hit.weight1)
-    store_float(pixels, pixel.WEIGHT2 + lane, hit.weight2)
-    store_int(pixels, pixel.SLOT + lane, np.int32(hit.slot))
-    store_int(pixels, pixel.INSTANCE + lane, np.int32(hit.instance))
-
-
-@device
-def _kept(pixels, lane):
-    return Hit(
-        load_float(pixels, pixel.DISTANCE + lane),
-        load_float(pixels, pixel.WEIGHT1 + lane),
-        load_float(pixels, pixel.WEIGHT2 + lane),
-        np.int64(load_int(pixels, pixel.SLOT + lane)),
-        np.int64(load_int(pixels, pixel.INSTANCE + lane)),
-    )
 
 
 @device
@@ -146,7 +103,7 @@ def _load_pixels(scene, march, picture, x0, y0, x1, y1):
         if scene.geometry.blocks.rows > 0:
             hit = closest_hit(scene.geometry, origin, direction, march.max_distance, picture.scratch)
         hit = closest_primitive(scene.primitives, origin, direction, hit, picture.scratch)
-        _keep(pixels, lane, hit)
+        keep_hit(pixels, lane, hit)
     return active
 
 
@@ -190,7 +147,9 @@ def _find_exactly(scene, picture, inside):
     for lane in range(LANES):
         if (inside >> np.int32(lane)) & _BIT:
             origin, direction = lane_vec3(pixels, pixel.ORIGIN, lane), lane_vec3(pixels, pixel.DIRECTION, lane)
-            _keep(pixels, lane, closest_field(scene.fields, origin, direction, _kept(pixels, lane), picture.scratch))
+            keep_hit(
+                pixels, lane, closest_field(scene.fields, origin, direction, kept_hit(pixels, lane), picture.scratch)
+            )
 
 
 @device
@@ -209,7 +168,7 @@ def _met(scene, march, picture, lane):
     limit = Hit(min(load_float(pixels, pixel.DISTANCE + lane), ahead) - back, _ZERO, _ZERO, _NO_SLOT, np.int64(0))
     hit = closest_field(scene.fields, origin + direction * back, direction, limit, picture.scratch)
     if hit.slot != _NO_SLOT:
-        _keep(pixels, lane, Hit(back + hit.t, _ZERO, _ZERO, hit.slot, hit.instance))
+        keep_hit(pixels, lane, Hit(back + hit.t, _ZERO, _ZERO, hit.slot, hit.instance))
         return True
     store_float(lanes, T + lane, at + (ahead - t) * scale)
     store_float(lanes, STEP + lane, _ZERO)
@@ -245,15 +204,16 @@ def _surfaces(scene, picture, active, x0, y0):
         x, y = x0 + lane % _EDGE, y0 + lane // _EDGE
         picture.steps[y, x] = np.int32(load_float(picture.lanes, STEPS + lane))
         direction = lane_vec3(pixels, pixel.DIRECTION, lane)
-        hit = _kept(pixels, lane)
+        hit = kept_hit(pixels, lane)
         if hit.slot == _NO_SLOT:
             set_lane_vec3(pixels, pixel.GATHERED, lane, environment_radiance(scene.lights.environment, direction))
             continue
         origin = lane_vec3(pixels, pixel.ORIGIN, lane)
         surface = surface_of(scene, origin, direction, hit, picture.scratch)
-        seen = surface.shading if dot(surface.shading, direction) < _ZERO else -surface.shading
         width, spread = pixel_cone(scene.camera, direction, _ONE_SAMPLE)
         radius = width + hit.t * spread
+        seen = turned_normal(scene, surface, hit, direction, radius, picture.scratch)
+        seen = seen if dot(surface.shading, direction) < _ZERO else -seen
         colour = surface_colour(scene, surface, hit, direction, radius, picture.scratch)
         emitted, two_sided = surface_emission(scene, surface, hit, direction, radius, picture.scratch)
         shines = two_sided or dot(direction, surface.normal) < _ZERO
@@ -295,7 +255,8 @@ def _light(scene, march, picture, number, lit, slots):
         open_lanes |= _BIT << np.int32(lane)
     if march.shadows == SOFT:
         for k in range(fields.numbers.rows):
-            _soften(scene, march, picture, number, k, open_lanes, slots)
+            if not is_cut_field(scene, k):
+                _soften(scene, march, picture, number, k, open_lanes, slots)
     for lane in range(LANES):
         if (open_lanes >> np.int32(lane)) & _BIT:
             arriving = light_from(march.lights, number, lane_vec3(pixels, pixel.PLACE, lane), march.light_width)
@@ -331,14 +292,28 @@ def _blocked(scene, march, picture, lane, arriving):
     """Whether anything stands between a pixel's surface and a light; fields only where shadows are hard."""
     start = _start(picture.pixels, lane, arriving.direction)
     end = _FAR if arriving.distance == _FAR else arriving.distance * _SHADOW_END
+    # A light that is seen as a point has no soft shadow either.
+    hard = march.shadows == HARD or arriving.width <= _ZERO
+    if march.light_left != 0:
+        left = _light_left(scene, march, picture, start, arriving.direction, end, hard)
+        store_float(picture.pixels, pixel.OPEN + lane, left)
+        return left <= _ZERO
     if scene.geometry.blocks.rows > 0 and occluded(scene.geometry, start, arriving.direction, end, picture.scratch):
         return True
     if primitive_occludes(scene.primitives, start, arriving.direction, end, picture.scratch):
         return True
-    # A light that is seen as a point has no soft shadow either.
-    if march.shadows == HARD or arriving.width <= _ZERO:
-        return field_occludes(scene.fields, start, arriving.direction, end, picture.scratch)
-    return False
+    return hard and field_occludes(scene.fields, start, arriving.direction, end, picture.scratch)
+
+
+@device
+def _light_left(scene, march, picture, start, direction, end, hard):
+    """The part of a light that is seen through holes."""
+    ray = picture.shadow
+    store_vec3(ray, SHADOW_START, start)
+    store_vec3(ray, SHADOW_DIRECTION, direction)
+    ray[END] = end
+    call_entry(march.light_left, (table_address(scene), table_address(picture), _NO if hard else _YES))
+    return ray[LEFT]
 
 
 @device
@@ -346,7 +321,7 @@ def _sky(scene, march, picture, lit, slots):
     """Add the sky's light to each pixel."""
     pixels = picture.pixels
     if march.occlusion > _ZERO:
-        occlude_packet(scene.fields, picture.lanes, lit, pixels, march.occlusion, slots)
+        occlude_packet(scene, picture.lanes, lit, pixels, march.occlusion, slots)
     for lane in range(LANES):
         if (lit >> np.int32(lane)) & _BIT:
             openness = load_float(pixels, pixel.OPEN + lane) if march.occlusion > _ZERO else _ONE
@@ -366,6 +341,8 @@ def sphere_trace_tile(scene_words, march_words, picture_words, x0, x1, y0, y1):
             active = _load_pixels(scene, march, picture, px, py, x1, y1)
             for k in range(scene.fields.numbers.rows):
                 _trace_field(scene, march, picture, k, active, slots)
+            if march.pass_holes != 0:
+                call_entry(march.pass_holes, (table_address(scene), table_address(march), table_address(picture)))
             lit = _surfaces(scene, picture, active, px, py)
             if lit != _NONE:
                 for number in range(march.lights.rows):

@@ -21,6 +21,8 @@ from isophote.lower.texture_probe import texture_values
 from isophote.scene.cutout import Cutout
 from isophote.scene.light import RectLight
 from isophote.scene.material import Emitter, Material, Matte
+from isophote.scene.nearest import nearest_principled
+from isophote.scene.relief import unturned
 from isophote.scene.scene import Scene
 from isophote.scene.texture import Texture
 from isophote.shapes.field.field import Field
@@ -92,25 +94,19 @@ class _Surface:
         self.albedo, self.emission = np.zeros(3), np.pi * np.array(radiance)
         self.texture: Texture | None = None
         self.glow = emission_texture_of(material)
-        if isinstance(material, Cutout):
-            material = material.material
+        material = unturned(material.material if isinstance(material, Cutout) else material)
         if isinstance(material, Emitter):
             if material.body is None:
                 return
-            material = material.body
-        colour = getattr(material, "colour", None)
-        if colour is None:
-            raise RenderError(f"{name}: a {type(material).__name__} has no colour that radiosity could reflect by")
+            material = unturned(material.body)
+        shown = nearest_principled(material)
         if not isinstance(material, Matte):
             warnings.warn(
                 f"{name}: radiosity knows only diffuse surfaces; its {type(material).__name__} is drawn as Matte",
                 IsophoteWarning,
                 stacklevel=2,
             )
-        if isinstance(colour, Texture):
-            self.albedo, self.texture = np.ones(3), colour
-        else:
-            self.albedo = np.array(colour)
+        self.albedo, self.texture = np.array(shown.colour), shown.colour_texture
         if (self.albedo > 1).any():
             raise RenderError(f"{name}: albedo {tuple(self.albedo)} reflects more than it receives; give 1 at most")
 

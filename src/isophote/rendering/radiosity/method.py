@@ -11,6 +11,7 @@ from isophote.errors import RenderError
 from isophote.lower.scene import lower_scene
 from isophote.progress import ProgressLike, Reporter, reporter
 from isophote.rendering.image import Image
+from isophote.rendering.left_out import warn_of_left_out
 from isophote.rendering.method import Job
 from isophote.rendering.oddities import warn_of_oddities
 from isophote.rendering.pool import checked_threads
@@ -65,6 +66,7 @@ class Radiosity:
         if scene.camera is None:
             raise RenderError("Radiosity: the scene has no camera")
         warn_of_oddities(job.scene)
+        warn_of_left_out(job.scene, "Radiosity", holes=True, relief=True)
         began = time.monotonic()
         found = self.solve(scene, job.report, job.threads)
         image = found.image(scene.camera, job.size, samples=self.samples)
@@ -133,8 +135,15 @@ def radiosity(
     if not isinstance(chosen, Radiosity):
         raise RenderError(f"radiosity: method must be a Radiosity(...), not {method!r}")
     crew = checked_threads(threads)
+    _tell_of(scene)
     with reporter(progress) as report:
         return chosen.solve(scene.still(), report, crew)
+
+
+def _tell_of(scene: Scene) -> None:
+    # One call deeper than from `Radiosity.render`, so that warnings point to the call of iso.radiosity.
+    warn_of_oddities(scene)
+    warn_of_left_out(scene, "Radiosity", holes=True, relief=True)
 
 
 def _extent(scene: Scene) -> float:
