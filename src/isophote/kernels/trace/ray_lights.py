@@ -15,9 +15,15 @@ from isophote.kernels.accel.surface import MATERIAL, Surface, offset_point
 from isophote.kernels.base.entry import call_entry, element_address, table_address
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.sampler import draw_pairs
+from isophote.kernels.base.simd import bits, load_int, lowest_bit, select, splat16, store_int
+from isophote.kernels.base.simd_lanes import lane_numbers
 from isophote.kernels.base.vec import dot, load_vec3, maximum_component, vec3
-from isophote.kernels.light.bsdf import LINKED
+from isophote.kernels.base.warp import INV_PI
+from isophote.kernels.base.wide import load_lanes, load_wide, store_lanes, store_wide, wide_dot, wide_select
+from isophote.kernels.brdf import contract
+from isophote.kernels.light.bsdf import LINKED, MATTE
 from isophote.kernels.light.emitter import ENVIRONMENT, sample_group
+from isophote.kernels.light.emitter_lanes import sample_lanes, sampled_in_lanes
 from isophote.kernels.light.medium import Boundary, attenuation, medium_towards
 from isophote.kernels.trace import ray_tree
 from isophote.kernels.trace import wave as rows
@@ -37,24 +43,46 @@ __all__ = ["light_surfaces", "prepare_surface", "remember_surface"]
 _ZERO, _ONE = np.float32(0), np.float32(1)
 _FAR = np.float32(np.inf)
 _START, _AIR = np.int64(0), np.int64(0)
+# Sixteen bits: all lanes.
+_ALL = np.int32(0xFFFF)
+# Row of the wave, which nothing else needs here, for what the light of a sample is multiplied by.
+_FACTOR = np.int64(rows.DENSITY)
 # As in path.py: a shadow ray ends this much short of its light.
 _SHADOW_END = np.float32(1 - 1e-4)
 
 
 @device
-def remember_surface(tree, at, i, surface, boundary, carried):
-    """Note a surface that the ray in wave column `i` met, for lights to shine on, in column `at`."""
+def remember_surface(tables, tree, log, at, i, surface, boundary, carried, scratch):
+    """Note a surface that the ray in wave column `i` met and that was prepared, for lights to shine on, in column `at`.
+
+    Matte surfaces in air are plain: all that a light needs to know of them is in rows that sixteen are loaded from.
+    """
     floats, numbers = tree.surfaces, tree.surface_numbers
     set_row_vec3(floats, ray_tree.PLACE, at, surface.place)
+    floats[ray_tree.ERROR, at] = surface.error
+    store_int(floats[ray_tree.COLUMN], at, np.int32(i))
+    material = np.int64(tables.surfaces.items[surface.item, MATERIAL])
+    told = log.rays.rows + tree.tint
+    if tables.materials.kinds[material] == MATTE and (boundary.before | boundary.behind | told) == 0:
+        floats[ray_tree.PLAIN, at] = _ONE
+        set_row_vec3(floats, ray_tree.NORMAL, at, load_vec3(scratch, contract.TRUE_NORMAL))
+        set_row_vec3(floats, ray_tree.SHADING, at, load_vec3(scratch, contract.NORMAL))
+        set_row_vec3(floats, ray_tree.SHARE, at, carried * load_vec3(scratch, contract.PARAMETERS) * INV_PI)
+        return
+    floats[ray_tree.PLAIN, at] = _ZERO
     set_row_vec3(floats, ray_tree.NORMAL, at, surface.normal)
     set_row_vec3(floats, ray_tree.SHADING, at, surface.shading)
     set_row_vec3(floats, ray_tree.SHARE, at, carried)
-    floats[ray_tree.ERROR, at] = surface.error
     floats[ray_tree.U, at], floats[ray_tree.V, at] = surface.u, surface.v
-    numbers[ray_tree.COLUMN, at] = i
     numbers[ray_tree.BEFORE, at], numbers[ray_tree.BEHIND, at] = boundary.before, boundary.behind
     numbers[ray_tree.THROUGH, at] = boundary.inside
     numbers[ray_tree.ITEM, at], numbers[ray_tree.TRIANGLE, at] = surface.item, surface.triangle
+
+
+@device
+def _column(tree, at):
+    """Wave column of the ray that met the surface in column `at`."""
+    return np.int64(load_int(tree.surfaces[ray_tree.COLUMN], at))
 
 
 @device
@@ -73,19 +101,18 @@ def _surface(tree, at):
 
 
 @device
-def _draw_jobs(plan, tree, wave, first, count):
-    """Sample numbers of all lights for surfaces first … first + count − 1."""
-    keys, jobs = tree.keys, tree.jobs
+def _draw_jobs(plan, tree, wave, first, count, begin, end):
+    """Sample numbers of light samples begin … end − 1 for surfaces first … first + count − 1."""
+    keys, jobs, ints = tree.keys, tree.jobs, wave.ints
     for h in range(count):
-        i = tree.surface_numbers[ray_tree.COLUMN, first + h]
-        keys[ray_tree.DRAW_KEY, h] = wave.ints[rows.PIXEL, i]
-    for job in range(jobs.rows):
+        keys[ray_tree.DRAW_KEY, h] = ints[rows.PIXEL, _column(tree, first + h)]
+    for job in range(begin, end):
         several = jobs[job, 2]
         if several == 0:
             continue
         for h in range(count):
-            i = tree.surface_numbers[ray_tree.COLUMN, first + h]
-            keys[ray_tree.DRAW_SAMPLE, h] = wave.ints[rows.SAMPLE, i] * several + jobs[job, 1]
+            sample = ints[rows.SAMPLE, _column(tree, first + h)]
+            keys[ray_tree.DRAW_SAMPLE, h] = sample * several + jobs[job, 1]
         draw_pairs(
             plan.pattern,
             plan.seed,
@@ -94,8 +121,8 @@ def _draw_jobs(plan, tree, wave, first, count):
             plan.samples * several,
             FIRST + jobs[job, 0],
             count,
-            tree.draws[2 * job],
-            tree.draws[2 * job + 1],
+            tree.draws[2 * (job - begin)],
+            tree.draws[2 * (job - begin) + 1],
         )
 
 
@@ -118,7 +145,7 @@ def _boundary(tree, at):
 def _prepare(tables, tree, wave, surface, at):
     """`prepare_surface` for the surface in column `at`."""
     floats, longs = wave.floats, wave.longs
-    i = tree.surface_numbers[ray_tree.COLUMN, at]
+    i = _column(tree, at)
     hit = Hit(
         floats[rows.HIT_T, i],
         floats[rows.HIT_W1, i],
@@ -132,52 +159,141 @@ def _prepare(tables, tree, wave, surface, at):
 
 
 @device
-def _arriving(tables, row, sample, medium):
-    """What arrives through a medium; of an environment without the constant part of the sky, which counts as ambient
-    light."""
-    lights = tables.lights
-    radiance = vec3(sample.red, sample.green, sample.blue)
+def _sample_one(tables, tree, wave, group, several, place, u, v, at):
+    """One sample of a light into wave column `at`; of an environment without the constant part of the sky, which counts
+    as ambient light."""
+    floats, lights = wave.floats, tables.lights
+    row, chance, sample = sample_group(lights, group, place, u, v)
+    if sample.density < _ZERO:
+        floats[_FACTOR, at] = _ZERO
+        return
+    into, radiance = vec3(sample.x, sample.y, sample.z), vec3(sample.red, sample.green, sample.blue)
     if lights.kinds[row] == ENVIRONMENT:
         constant = lights.environment.constant
         radiance = radiance - vec3(constant[0], constant[1], constant[2])
-    return radiance * attenuation(tables.media, medium, sample.distance)
+    radiance = radiance * tint_of_light(tables, row, place + into * sample.distance, wave.scratch)
+    set_row_vec3(floats, rows.SHADOW_DIRECTION, at, into)
+    set_row_vec3(floats, rows.SHADOW_LIGHT, at, radiance)
+    floats[rows.SHADOW_END, at] = sample.distance
+    floats[_FACTOR, at] = _ONE / (sample.density * chance * np.float32(several)) if several > 0 else _ONE
 
 
 @device
-def _aim(tables, tree, wave, log, at, h, first, surface, job):
-    """A shadow ray from a surface to a place on a light, in wave column `at`. Returns how many were made: 1 or 0."""
-    floats, jobs = wave.floats, tree.jobs
-    group, several = np.int64(jobs[job, 0]), jobs[job, 2]
-    u, v = tree.draws[2 * job, h], tree.draws[2 * job + 1, h]
-    row, chance, sample = sample_group(tables.lights, group, surface.place, u, v)
-    if sample.density < _ZERO:
-        return 0
-    into = vec3(sample.x, sample.y, sample.z)
-    i = tree.surface_numbers[ray_tree.COLUMN, first + h]
-    boundary, direction = _boundary(tree, first + h), row_vec3(floats, rows.DIRECTION, i)
-    medium = medium_towards(boundary, surface.normal, direction, into)
-    # Tinted shadow rays tell the media themselves.
-    arriving = _arriving(tables, row, sample, medium if tree.tint == 0 else _AIR)
-    arriving = arriving * tint_of_light(tables, row, surface.place + into * sample.distance, wave.scratch)
-    through = dot(surface.normal, into) * dot(surface.normal, direction) > _ZERO
-    tree.rays[ray_tree.SHADOW_INSIDE, at] = boundary.inside if through else wave.longs[rows.INSIDE, i]
-    value, _ = evaluate_material(tables, surface, into, wave.scratch)
-    factor = _ONE / (sample.density * chance * np.float32(several)) if several > 0 else _ONE
-    light = row_vec3(tree.surfaces, ray_tree.SHARE, first + h) * value * arriving * factor
-    trial = np.int64(jobs[job, 1])
-    ray, number = tree.rays[ray_tree.RAY_LOGGED, i], np.int64(tables.lights.groups[group, 3])
-    logged = log_light(log, ray, number, trial, sample, arriving, value, factor)
-    start = offset_point(surface.place, surface.normal, surface.error, into)
+def _sample(tables, tree, wave, log, job, draw, first, h, count, at):
+    """Samples of a light for surfaces first + h … first + h + count − 1 into wave columns from `at` on: the direction
+    in place of the shadow ray's, the distance in place of its end, what arrives, and what that is multiplied by, 0
+    where nothing arrives. Logs tell what all single samples are, so these are taken one by one."""
+    floats, surfaces, draws = wave.floats, tree.surfaces, tree.draws
+    group, several = np.int64(tree.jobs[job, 0]), tree.jobs[job, 2]
+    if log.rays.rows == 0 and sampled_in_lanes(tables.lights, group):
+        place, u, v = (
+            load_wide(surfaces, ray_tree.PLACE, first + h),
+            load_lanes(draws, draw, h),
+            load_lanes(draws, draw + 1, h),
+        )
+        share = _ONE / np.float32(several) if several > 0 else _ONE
+        row = np.int64(tables.lights.groups[group, 0])
+        into, distance, radiance, factor = sample_lanes(tables.lights, row, place, u, v, share)
+        store_wide(floats, rows.SHADOW_DIRECTION, at, into)
+        store_wide(floats, rows.SHADOW_LIGHT, at, radiance)
+        store_lanes(floats, rows.SHADOW_END, at, distance)
+        store_lanes(floats, _FACTOR, at, factor)
+        return
+    for k in range(count):
+        place = row_vec3(surfaces, ray_tree.PLACE, first + h + k)
+        _sample_one(tables, tree, wave, group, several, place, draws[draw, h + k], draws[draw + 1, h + k], at + k)
+
+
+@device
+def _evaluate(tables, tree, wave, log, s, k, begin, end, at):
+    """Multiply what arrives at a surface that is not plain, in column `s`, the k-th of its sixteen, by what it scatters
+    of that and by what media leave of it."""
+    floats = wave.floats
+    surface, boundary, i = _surface(tree, s), _boundary(tree, s), _column(tree, s)
+    direction, inside = row_vec3(floats, rows.DIRECTION, i), wave.longs[rows.INSIDE, i]
+    _prepare(tables, tree, wave, surface, s)
+    for job in range(begin, end):
+        c = at + (job - begin) * ray_tree.LIT_TOGETHER + k
+        factor = floats[_FACTOR, c]
+        if factor == _ZERO:
+            continue
+        into, distance = row_vec3(floats, rows.SHADOW_DIRECTION, c), floats[rows.SHADOW_END, c]
+        # Tinted shadow rays tell the media themselves.
+        medium = medium_towards(boundary, surface.normal, direction, into) if tree.tint == 0 else _AIR
+        arriving = row_vec3(floats, rows.SHADOW_LIGHT, c) * attenuation(tables.media, medium, distance)
+        value, _ = evaluate_material(tables, surface, into, wave.scratch)
+        set_row_vec3(floats, rows.SHADOW_LIGHT, c, value * arriving)
+        through = dot(surface.normal, into) * dot(surface.normal, direction) > _ZERO
+        tree.rays[ray_tree.SHADOW_INSIDE, c] = boundary.inside if through else inside
+        number = np.int64(tables.lights.groups[tree.jobs[job, 0], 3])
+        ray, trial = tree.rays[ray_tree.RAY_LOGGED, i], np.int64(tree.jobs[job, 1])
+        tree.rays[ray_tree.SHADOW_LOGGED, c] = log_light(
+            log, ray, number, trial, into, distance, arriving, value, factor
+        )
+
+
+@device
+def _aim_lanes(tree, wave, s, count, at):
+    """Turn samples of a light for surfaces s … s + count − 1, in wave columns from `at` on, into shadow rays. Returns
+    bit by bit which of them carry light."""
+    floats, surfaces = wave.floats, tree.surfaces
+    zero, one, far = splat16(_ZERO), splat16(_ONE), splat16(_FAR)
+    into, distance = load_wide(floats, rows.SHADOW_DIRECTION, at), load_lanes(floats, rows.SHADOW_END, at)
+    place, normal = load_wide(surfaces, ray_tree.PLACE, s), load_wide(surfaces, ray_tree.NORMAL, s)
+    cosine, height = wide_dot(load_wide(surfaces, ray_tree.SHADING, s), into), wide_dot(normal, into)
+    scattered = select((cosine > zero) & (height > zero), cosine, zero)
+    factor = load_lanes(floats, _FACTOR, at)
+    weight = factor * select(load_lanes(surfaces, ray_tree.PLAIN, s) > zero, scattered, one)
+    light = load_wide(surfaces, ray_tree.SHARE, s) * load_wide(floats, rows.SHADOW_LIGHT, at) * weight
+    carries = (light.x > zero) | (light.y > zero) | (light.z > zero)
+    carries = carries & (factor > zero) & (lane_numbers() < splat16(np.float32(count)))
+    error = load_lanes(surfaces, ray_tree.ERROR, s)
+    start = place + normal * select(height >= zero, error, zero - error)
     # The light's place seen from the moved start, so that the ray still ends on it, at t = 1.
-    far = sample.distance == _FAR
-    to_light = into if far else into * sample.distance + (surface.place - start)
-    set_row_vec3(floats, rows.SHADOW_ORIGIN, at, start)
-    set_row_vec3(floats, rows.SHADOW_DIRECTION, at, to_light)
-    set_row_vec3(floats, rows.SHADOW_LIGHT, at, light)
-    floats[rows.SHADOW_END, at] = _FAR if far else _SHADOW_END
-    wave.ints[rows.SHADOW_OWNER, at] = i
-    tree.rays[ray_tree.SHADOW_LOGGED, at] = logged
-    return np.int64(maximum_component(light) > _ZERO)
+    finite = distance < far
+    to_light = wide_select(finite, into * distance + (place - start), into)
+    store_wide(floats, rows.SHADOW_ORIGIN, at, start)
+    store_wide(floats, rows.SHADOW_DIRECTION, at, to_light)
+    store_wide(floats, rows.SHADOW_LIGHT, at, light)
+    store_lanes(floats, rows.SHADOW_END, at, select(finite, splat16(_SHADOW_END), far))
+    store_lanes(wave.ints, rows.SHADOW_OWNER, at, load_lanes(surfaces, ray_tree.COLUMN, s))
+    return bits(carries)
+
+
+@device
+def _move(tree, wave, source, to):
+    """Move a shadow ray to an earlier wave column."""
+    floats = wave.floats
+    for row in range(rows.SHADOW_ORIGIN, rows.SHADOW_LIGHT + 3):
+        floats[row, to] = floats[row, source]
+    floats[rows.SHADOW_END, to] = floats[rows.SHADOW_END, source]
+    wave.ints[rows.SHADOW_OWNER, to] = wave.ints[rows.SHADOW_OWNER, source]
+    tree.rays[ray_tree.SHADOW_LOGGED, to] = tree.rays[ray_tree.SHADOW_LOGGED, source]
+    tree.rays[ray_tree.SHADOW_INSIDE, to] = tree.rays[ray_tree.SHADOW_INSIDE, source]
+
+
+@device
+def _aim(tables, tree, wave, log, first, h, count, begin, end, made):
+    """Shadow rays from surfaces first + h … first + h + count − 1, sixteen at most, to samples begin … end − 1 of
+    lights, in wave columns from `made` on. Returns the column after the last."""
+    at, surfaces = made, tree.surfaces
+    for job in range(begin, end):
+        c = at + (job - begin) * ray_tree.LIT_TOGETHER
+        _sample(tables, tree, wave, log, job, 2 * (job - begin), first, h, count, c)
+    for k in range(count):
+        if surfaces[ray_tree.PLAIN, first + h + k] == _ZERO:
+            _evaluate(tables, tree, wave, log, first + h + k, k, begin, end, at)
+    for job in range(begin, end):
+        c = at + (job - begin) * ray_tree.LIT_TOGETHER
+        left = _aim_lanes(tree, wave, first + h, count, c)
+        if left == _ALL and c == made:
+            made += ray_tree.LIT_TOGETHER
+            continue
+        while left != 0:
+            _move(tree, wave, c + np.int64(lowest_bit(left)), made)
+            left &= left - np.int32(1)
+            made += 1
+    return made
 
 
 @device
@@ -200,32 +316,33 @@ def _left(tables, tree, wave, k):
 @device
 def _collect(tables, tree, wave, log, count):
     """Add what is left of the light of shadow rays."""
+    logging = log.rays.rows > 0
     for k in range(count):
         i = np.int64(wave.ints[rows.SHADOW_OWNER, k])
         tree.rays[ray_tree.COUNT, np.int64(wave.ints[rows.OWNER, i])] += 1
         left = _left(tables, tree, wave, k)
         if maximum_component(left) > _ZERO:
             add_radiance(wave, i, row_vec3(wave.floats, rows.SHADOW_LIGHT, k) * left)
-            log_visible(log, tree.rays[ray_tree.SHADOW_LOGGED, k], left)
+            if logging:
+                log_visible(log, tree.rays[ray_tree.SHADOW_LOGGED, k], left)
 
 
 @device
 def light_surfaces(tables, plan, tree, wave, log, count, coherent):
     """Add the light of all lights to the rays that met surfaces 0 … count − 1."""
-    jobs, size = tree.jobs.rows, wave.floats.columns
+    jobs = tree.jobs.rows
     if jobs == 0:
         return
-    several = tree.draws.columns
+    several, part = tree.draws.columns, tree.draws.rows // 2
     for first in range(0, count, several):
         here = min(several, count - first)
-        _draw_jobs(plan, tree, wave, first, here)
-        # All jobs at once, or, where there are more than a wave holds, those of a single surface in parts.
-        for begin in range(0, jobs, size):
+        # All samples of lights at once, or, where there are more than a wave holds, those of sixteen surfaces in parts.
+        for begin in range(0, jobs, part):
+            end = min(begin + part, jobs)
+            _draw_jobs(plan, tree, wave, first, here, begin, end)
             made = np.int64(0)
-            for h in range(here):
-                surface = _surface(tree, first + h)
-                _prepare(tables, tree, wave, surface, first + h)
-                for job in range(begin, min(begin + size, jobs)):
-                    made += _aim(tables, tree, wave, log, made, h, first, surface, job)
+            for h in range(0, here, ray_tree.LIT_TOGETHER):
+                count_here = min(here - h, np.int64(ray_tree.LIT_TOGETHER))
+                made = _aim(tables, tree, wave, log, first, h, count_here, begin, end, made)
             find_blocked(tables, wave, made, coherent)
             _collect(tables, tree, wave, log, made)

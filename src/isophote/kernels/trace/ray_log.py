@@ -130,7 +130,7 @@ def log_hit(log, row, tables, hit, surface):
 
 
 @device
-def log_light(log, ray, light, trial, sample, arriving, value, factor):
+def log_light(log, ray, light, trial, into, distance, arriving, value, factor):
     """A row for one sample of one light, seen or not, or −1."""
     if ray < 0:
         return _NONE
@@ -138,8 +138,8 @@ def log_light(log, ray, light, trial, sample, arriving, value, factor):
     log.counts[1] = row + 1
     if row >= log.lights.rows:
         return _NONE
-    _set(log.lights, row, TOWARDS, vec3(sample.x, sample.y, sample.z))
-    log.lights[row, REACH] = sample.distance
+    _set(log.lights, row, TOWARDS, into)
+    log.lights[row, REACH] = distance
     _set(log.lights, row, ARRIVING, arriving)
     _set(log.lights, row, VALUE, value)
     log.lights[row, FACTOR] = factor

@@ -179,7 +179,7 @@ def _meet_surface(tables, plan, tree, wave, log, level, i, lit):
     emitted, ambient = _emitted(tables, surface, hit, direction, radius, wave.scratch), vec3(_ZERO, _ZERO, _ZERO)
     scatters = tables.materials.scatters[material] != 0 and not goes_smoothly(tables, material, boundary)
     if scatters:
-        remember_surface(tree, lit, i, surface, boundary, carried)
+        remember_surface(tables, tree, log, lit, i, surface, boundary, carried, wave.scratch)
         ambient = _ambient(tables, wave, i, surface)
     logged = tree.rays[ray_tree.RAY_LOGGED, i]
     number = np.int64(tables.surfaces.items[surface.item, PUBLIC])

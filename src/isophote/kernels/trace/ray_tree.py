@@ -54,20 +54,26 @@ COUNT, RAY_LOGGED, SHADOW_LOGGED, SHADOW_INSIDE, RAY_ROWS = np.int64(0), np.int6
 # Columns of `waiting`: those taken, and all.
 TAKEN, END = np.int64(0), np.int64(1)
 
-# Rows of `surfaces`, surfaces that lights shine on: what surface_of said, and what the ray carries there …
-PLACE, NORMAL, SHADING, SHARE, ERROR, U, V, SURFACE_FLOATS = 0, 3, 6, 9, 12, 13, 14, 15
-# … and of `surface_numbers`: the ray's wave column, the media before and behind the surface, and all those that a ray
-# is in which went through.
-COLUMN, ITEM, TRIANGLE, BEFORE, BEHIND, THROUGH, SURFACE_NUMBERS = 0, 1, 2, 3, 4, 5, 6
+# Rows of `surfaces`, surfaces that lights shine on: what surface_of said, what the ray carries there, and its wave
+# column as a word; plain ones (ray_lights.py) have 1 in PLAIN, their normals on the ray's side, and what they scatter
+# of light from above in SHARE …
+PLACE, NORMAL, SHADING, SHARE, ERROR, U, V, PLAIN, COLUMN, SURFACE_FLOATS = (
+    np.int64(row) for row in (0, 3, 6, 9, 12, 13, 14, 15, 16, 17)
+)
+# … and of `surface_numbers`, which plain ones have none of: the media before and behind the surface, and all those that
+# a ray is in which went through.
+ITEM, TRIANGLE, BEFORE, BEHIND, THROUGH, SURFACE_NUMBERS = (np.int64(row) for row in (0, 1, 2, 3, 4, 5))
 # Rows of `keys`: what the sample numbers of a few of them are drawn for.
-DRAW_KEY, DRAW_SAMPLE, KEY_ROWS = 0, 1, 2
+DRAW_KEY, DRAW_SAMPLE, KEY_ROWS = np.int64(0), np.int64(1), 2
+# Surfaces that are lit at once.
+LIT_TOGETHER = np.int64(16)
 
 _ZERO, _ONE, _FAR = np.float32(0), np.float32(1), np.float32(np.inf)
 _U = np.uint32
 
 # `floats`, `words`, `longs`, `waiting`: the lists above, level by level; `rays` (4, wave); `sums` (3 · levels, wave);
 # `surfaces`, `surface_numbers`; `jobs` (n, 3): each sample of each light as its group, its number and how many samples
-# that light gets; `draws` (2 n, h): their sample numbers for h surfaces; `keys` (2, h). `least`: what rays must carry.
+# that light gets; `draws` (2 m, h): the sample numbers of m of them for h surfaces; `keys` (2, h). `least`: what rays must carry.
 # `tint`: address of shadow_tint, or 0 where all that is in the way blocks, and `shadow`, one of its rays.
 # `traced` (pixels,): rays of each pixel.
 TREE = Table(
@@ -93,8 +99,10 @@ TREE = Table(
 def new_tree(
     size: int, levels: int, jobs: npt.NDArray[np.int32], least: float, tint: int, traced: npt.NDArray[np.int64]
 ) -> Packed:
-    """Scratch for trees of so many levels in waves of `size` rays; one for each thread, `traced` for all."""
-    several = max(1, size // max(1, len(jobs)))
+    """Scratch for trees of so many levels in waves of `size` rays, a multiple of 16; one for each thread, `traced` for
+    all."""
+    part = max(1, min(len(jobs), size // int(LIT_TOGETHER)))
+    several = max(1, size // (part * int(LIT_TOGETHER))) * int(LIT_TOGETHER)
     return TREE.pack(
         floats=np.zeros((levels * int(FLOATS_A_LEVEL), 2 * size), np.float32),
         words=np.zeros((levels * int(WORDS_A_LEVEL), 2 * size), np.uint32),
@@ -105,7 +113,7 @@ def new_tree(
         surfaces=np.zeros((SURFACE_FLOATS, size), np.float32),
         surface_numbers=np.zeros((SURFACE_NUMBERS, size), np.int64),
         jobs=jobs,
-        draws=np.zeros((2 * len(jobs), several), np.float32),
+        draws=np.zeros((2 * part, several), np.float32),
         keys=np.zeros((KEY_ROWS, several), np.uint32),
         least=least,
         tint=tint,
