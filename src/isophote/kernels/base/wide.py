@@ -179,7 +179,7 @@ def _places(context, builder, kind, table, row, column, count):
 
 
 def _is_rows(table) -> bool:
-    """Whether a type is that of rows of 32-bit elements: whole numbers may be moved as floats, but not computed with."""
+    """Whether a type is that of rows of 32-bit elements: whole numbers may be moved as floats, not computed with."""
     return isinstance(table, ViewType) and table.ndim == 2 and table.dtype in (types.float32, types.uint32)
 
 

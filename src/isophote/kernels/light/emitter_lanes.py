@@ -25,7 +25,7 @@ def sampled_in_lanes(lights, group):
     row = np.int64(lights.groups[group, 0])
     kind = lights.kinds[row]
     plain = lights.painted.rows == 0 or lights.painted[row] < 0
-    return plain and (kind == PARALLELOGRAM or kind == POINT or kind == SUN)
+    return plain and kind in (PARALLELOGRAM, POINT, SUN)
 
 
 @device

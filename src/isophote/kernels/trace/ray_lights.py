@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from isophote.kernels.accel.geometry import Hit
-from isophote.kernels.accel.surface import MATERIAL, Surface, offset_point
+from isophote.kernels.accel.surface import MATERIAL, Surface
 from isophote.kernels.base.entry import call_entry, element_address, table_address
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.sampler import draw_pairs

@@ -73,8 +73,8 @@ _U = np.uint32
 
 # `floats`, `words`, `longs`, `waiting`: the lists above, level by level; `rays` (4, wave); `sums` (3 · levels, wave);
 # `surfaces`, `surface_numbers`; `jobs` (n, 3): each sample of each light as its group, its number and how many samples
-# that light gets; `draws` (2 m, h): the sample numbers of m of them for h surfaces; `keys` (2, h). `least`: what rays must carry.
-# `tint`: address of shadow_tint, or 0 where all that is in the way blocks, and `shadow`, one of its rays.
+# that light gets; `draws` (2 m, h): the sample numbers of m of them for h surfaces; `keys` (2, h). `least`: what rays
+# must carry. `tint`: address of shadow_tint, or 0 where all that is in the way blocks, and `shadow`, one of its rays.
 # `traced` (pixels,): rays of each pixel.
 TREE = Table(
     "RayTree",
