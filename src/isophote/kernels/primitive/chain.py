@@ -9,7 +9,8 @@ from isophote.kernels.accel.surface import Surface
 from isophote.kernels.base.doubles import doubles_at
 from isophote.kernels.base.entry import call_entry, element_address, table_address
 from isophote.kernels.base.jit import device
-from isophote.kernels.base.simd import store_int
+from isophote.kernels.base.simd import load16, store_int
+from isophote.kernels.base.simd_rows import store_widened
 from isophote.kernels.base.vec import vec3
 from isophote.kernels.primitive.lanes import BLOCK_DOUBLES, LANES, PART, T
 from isophote.kernels.primitive.layout import RAYS_AT, SLOT, SURFACE
@@ -24,7 +25,7 @@ __all__ = [
 
 _ZERO, _ONE = np.float32(0), np.float32(1)
 _SLOT, _PART_BITS, _PART = np.int64(SLOT), np.int64(4), np.int64(15)
-_FIRST, _RAYS_AT = np.int64(0), np.int64(RAYS_AT)
+_FIRST, _LANES, _RAYS_AT = np.int64(0), np.int64(LANES), np.int64(RAYS_AT)
 _OFF, _CLEAR = -1.0, 0.0
 
 
@@ -60,16 +61,33 @@ def primitive_occludes(primitives, origin, direction, t_max, scratch):
 
 
 @device
-def _load_lanes(scratch, floats, origin, limit, first, last):
+def _load_lanes(rays, floats, origin, limit, first, last):
     """Rays first ≤ i < last of a wave, whose first row of origins is `origin`, into the entry's block; lanes that are
     left over repeat the last ray, switched off by their limit."""
-    rays = doubles_at(element_address(scratch, _RAYS_AT), BLOCK_DOUBLES)
-    for lane in range(LANES):
+    if last - first == LANES:
+        columns = floats.columns
+        for row in range(6):
+            store_widened(rays, _LANES * row, load16(floats, (origin + row) * columns + first))
+        store_widened(rays, T, load16(floats, limit * columns + first))
+        return
+    for lane in range(_LANES):
         i = min(first + lane, last - 1)
         for row in range(6):
             rays[LANES * row + lane] = np.float64(floats[origin + row, i])
         rays[T + lane] = np.float64(floats[limit, i]) if first + lane < last else _OFF
-    return rays
+
+
+@device
+def _store_lanes(rays, floats, longs, limit, slot, instance, first, count):
+    """What rays met of a block; loops without branches, one for each row, become vector instructions."""
+    for i in range(count):
+        floats[limit, first + i] = np.float32(rays[T + i])
+    for i in range(count):
+        code, before = np.int64(rays[PART + i]), longs[slot, first + i]
+        longs[slot, first + i] = _SLOT - (code & _PART) if code >= 0 else before
+    for i in range(count):
+        code, before = np.int64(rays[PART + i]), longs[instance, first + i]
+        longs[instance, first + i] = code >> _PART_BITS if code >= 0 else before
 
 
 @device
@@ -79,15 +97,12 @@ def closest_primitives(primitives, floats, longs, wave_rows, count, scratch):
     `wave_rows`: the rows of origins, of t in `floats`, of slots and instances in `longs`.
     """
     origin, limit, slot, instance = wave_rows
+    rays = doubles_at(element_address(scratch, _RAYS_AT), BLOCK_DOUBLES)
     for first in range(0, count, LANES):
         last = min(first + LANES, count)
-        rays = _load_lanes(scratch, floats, origin, limit, first, last)
+        _load_lanes(rays, floats, origin, limit, first, last)
         call_entry(primitives.trace_lanes, (table_address(primitives), element_address(scratch, _FIRST)))
-        for i in range(first, last):
-            met = np.int64(rays[PART + i - first])
-            if met >= 0:
-                floats[limit, i] = np.float32(rays[T + i - first])
-                longs[slot, i], longs[instance, i] = _SLOT - (met & _PART), met >> _PART_BITS
+        _store_lanes(rays, floats, longs, limit, slot, instance, first, last - first)
 
 
 @device
@@ -97,16 +112,15 @@ def find_occluding(primitives, floats, ints, wave_rows, count, scratch):
     `wave_rows`: the rows of origins, of ends in `floats`, of what is blocked in `ints`.
     """
     origin, limit, blocked = wave_rows
+    rays = doubles_at(element_address(scratch, _RAYS_AT), BLOCK_DOUBLES)
     for first in range(0, count, LANES):
         last = min(first + LANES, count)
-        rays = _load_lanes(scratch, floats, origin, limit, first, last)
-        for i in range(first, last):
-            if ints[blocked, i] != 0:
-                rays[T + i - first] = _OFF
+        _load_lanes(rays, floats, origin, limit, first, last)
+        for i in range(last - first):
+            rays[T + i] = _OFF if ints[blocked, first + i] != 0 else rays[T + i]
         call_entry(primitives.trace_lanes, (table_address(primitives), element_address(scratch, _FIRST)))
-        for i in range(first, last):
-            if rays[PART + i - first] >= _CLEAR:
-                ints[blocked, i] = 1
+        for i in range(last - first):
+            ints[blocked, first + i] |= rays[PART + i] >= _CLEAR
 
 
 @device
