@@ -99,8 +99,10 @@ class Pool:
                 with lock:
                     finished += 1
 
-        with ThreadPoolExecutor(self.threads) as executor:
-            running = {executor.submit(worker, thread) for thread in range(self.threads)}
+        # Starting a thread takes as long as tracing some thousands of rays.
+        threads = max(1, min(self.threads, len(jobs)))
+        with ThreadPoolExecutor(threads) as executor:
+            running = {executor.submit(worker, thread) for thread in range(threads)}
             while running:
                 try:
                     ended, running = wait(running, timeout=_GLANCE, return_when=FIRST_COMPLETED)

@@ -177,7 +177,7 @@ class Tracer:
         rays = self._checked(_rays(origins, directions, max_distance))
         blocked = np.zeros(len(rays[0]), np.uint8)
         self._run(self._queries.occluded, rays, coherent, **_NOTHING | {"blocked": blocked})
-        return blocked.astype(bool)
+        return blocked.view(np.bool_)
 
     def count(self, origins: npt.ArrayLike, directions: npt.ArrayLike, max_distance: npt.ArrayLike = np.inf) -> Counts:
         """What each ray visits up to its first hit; arguments as for `closest`. Other queries count nothing and
@@ -218,7 +218,8 @@ class Tracer:
         query = QUERY.pack(origins=origins, directions=directions, limit=limit, **found)
         pool = Pool(self._threads)
         words = scratch_words(self._scene.arrays["fields"])
-        waves = [new_wave(_WAVE, words) for _ in range(pool.threads)]
+        jobs = range(0, count, _RAYS_A_JOB)
+        waves = [new_wave(_WAVE, words) for _ in range(min(pool.threads, len(jobs)))]
 
         def work(first: int, thread: int) -> None:
             last = min(first + _RAYS_A_JOB, count)
@@ -226,7 +227,7 @@ class Tracer:
             if kind:
                 raise RenderError(_WRONG[kind].format(number=number))
 
-        pool.run(work, range(0, count, _RAYS_A_JOB), lambda done: None)
+        pool.run(work, jobs, lambda done: None)
         if pool.interrupted:
             # Rays that were not traced have no answers, so there is nothing to give back.
             raise KeyboardInterrupt

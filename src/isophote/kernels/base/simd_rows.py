@@ -1,4 +1,4 @@
-"""Sixteen floats from arrays of triples into rows of floats and of doubles."""
+"""Sixteen numbers at once between arrays of triples, rows of floats, of doubles and of whole numbers."""
 
 from __future__ import annotations
 
@@ -7,13 +7,15 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-from isophote.kernels.base.simd import f32x16
+from isophote.kernels.base.simd import f32x16, mask16
+from isophote.kernels.base.simd_double16 import f64x16
 from isophote.kernels.base.table import ViewType
 
-__all__ = ["load_triples", "store_widened"]
+__all__ = ["load_narrowed", "load_triples", "store_flags", "store_whole", "store_widened"]
 
 _LANES = 16
-_DOUBLES = ir.VectorType(ir.DoubleType(), _LANES)
+_FLOATS, _DOUBLES = ir.VectorType(ir.FloatType(), _LANES), ir.VectorType(ir.DoubleType(), _LANES)
+_INTS = ir.VectorType(ir.IntType(32), _LANES)
 
 
 def _is_view(view, dtype: types.Type) -> bool:
@@ -58,3 +60,46 @@ def store_widened(typingctx, view, index, value):
         return context.get_dummy_value()
 
     return types.void(view, types.intp, value), codegen
+
+
+@intrinsic
+def load_narrowed(typingctx, view, index):
+    """Sixteen doubles, from element `index` on, each rounded to the nearest float."""
+    if not _is_view(view, types.float64):
+        return None
+
+    def codegen(context, builder, signature, args):
+        loaded = builder.load(_address(context, builder, signature.args[0], args[0], args[1], _DOUBLES))
+        loaded.align = 8
+        return builder.fptrunc(loaded, _FLOATS)
+
+    return f32x16(view, types.intp), codegen
+
+
+@intrinsic
+def store_whole(typingctx, view, index, value):
+    """Write sixteen doubles that are whole numbers as int32, from element `index` on."""
+    if not _is_view(view, types.int32) or value != f64x16:
+        return None
+
+    def codegen(context, builder, signature, args):
+        pointer = _address(context, builder, signature.args[0], args[0], args[1], _INTS)
+        builder.store(builder.fptosi(args[2], _INTS), pointer).align = 4
+        return context.get_dummy_value()
+
+    return types.void(view, types.intp, value), codegen
+
+
+@intrinsic
+def store_flags(typingctx, view, index, mask):
+    """Write a mask as sixteen bytes, 0 or 1, from element `index` on."""
+    if not _is_view(view, types.uint8) or mask != mask16:
+        return None
+
+    def codegen(context, builder, signature, args):
+        kind = ir.VectorType(ir.IntType(8), _LANES)
+        pointer = _address(context, builder, signature.args[0], args[0], args[1], kind)
+        builder.store(builder.zext(args[2], kind), pointer).align = 1
+        return context.get_dummy_value()
+
+    return types.void(view, types.intp, mask), codegen

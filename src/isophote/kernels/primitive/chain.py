@@ -9,7 +9,8 @@ from isophote.kernels.accel.surface import Surface
 from isophote.kernels.base.doubles import doubles_at
 from isophote.kernels.base.entry import call_entry, element_address, table_address
 from isophote.kernels.base.jit import device
-from isophote.kernels.base.simd import load16, store_int
+from isophote.kernels.base.simd import bits, load16, lowest_bit, store_int
+from isophote.kernels.base.simd_double16 import load_doubles16, splat_doubles16
 from isophote.kernels.base.simd_rows import store_widened
 from isophote.kernels.base.vec import vec3
 from isophote.kernels.primitive.lanes import BLOCK_DOUBLES, LANES, PART, T
@@ -78,16 +79,9 @@ def _load_lanes(rays, floats, origin, limit, first, last):
 
 
 @device
-def _store_lanes(rays, floats, longs, limit, slot, instance, first, count):
-    """What rays met of a block; loops without branches, one for each row, become vector instructions."""
-    for i in range(count):
-        floats[limit, first + i] = np.float32(rays[T + i])
-    for i in range(count):
-        code, before = np.int64(rays[PART + i]), longs[slot, first + i]
-        longs[slot, first + i] = _SLOT - (code & _PART) if code >= 0 else before
-    for i in range(count):
-        code, before = np.int64(rays[PART + i]), longs[instance, first + i]
-        longs[instance, first + i] = code >> _PART_BITS if code >= 0 else before
+def _met(rays):
+    """Which rays of a block met anything, as bits."""
+    return bits(load_doubles16(rays, PART) >= splat_doubles16(_CLEAR))
 
 
 @device
@@ -102,7 +96,13 @@ def closest_primitives(primitives, floats, longs, wave_rows, count, scratch):
         last = min(first + LANES, count)
         _load_lanes(rays, floats, origin, limit, first, last)
         call_entry(primitives.trace_lanes, (table_address(primitives), element_address(scratch, _FIRST)))
-        _store_lanes(rays, floats, longs, limit, slot, instance, first, last - first)
+        left = _met(rays)
+        while left != 0:
+            lane = np.int64(lowest_bit(left))
+            left &= left - np.int32(1)
+            code = np.int64(rays[PART + lane])
+            floats[limit, first + lane] = np.float32(rays[T + lane])
+            longs[slot, first + lane], longs[instance, first + lane] = _SLOT - (code & _PART), code >> _PART_BITS
 
 
 @device
@@ -116,11 +116,14 @@ def find_occluding(primitives, floats, ints, wave_rows, count, scratch):
     for first in range(0, count, LANES):
         last = min(first + LANES, count)
         _load_lanes(rays, floats, origin, limit, first, last)
-        for i in range(last - first):
-            rays[T + i] = _OFF if ints[blocked, first + i] != 0 else rays[T + i]
+        for i in range(first, last):
+            if ints[blocked, i] != 0:
+                rays[T + i - first] = _OFF
         call_entry(primitives.trace_lanes, (table_address(primitives), element_address(scratch, _FIRST)))
-        for i in range(last - first):
-            ints[blocked, first + i] |= rays[PART + i] >= _CLEAR
+        left = _met(rays)
+        while left != 0:
+            ints[blocked, first + lowest_bit(left)] = 1
+            left &= left - np.int32(1)
 
 
 @device

@@ -6,10 +6,16 @@ import numpy as np
 
 from isophote.kernels.base.doubles import doubles_at
 from isophote.kernels.base.entry import call_entry, element_address, entry, opener_at
-from isophote.kernels.base.jit import device
+from isophote.kernels.base.jit import device, exact_inline
+from isophote.kernels.base.simd_double16 import (
+    chosen_doubles16,
+    load_doubles16,
+    splat_doubles16,
+    store_doubles16,
+)
 from isophote.kernels.base.vec import vec3
 from isophote.kernels.primitive import layout
-from isophote.kernels.primitive.lanes import BLOCK_DOUBLES, HIGH, LANES, PART, T, U, V, W, X, Y, Z, chosen
+from isophote.kernels.primitive.lanes import BLOCK_DOUBLES, HIGH, LANES, PART, T, U, V, W, X, Y, Z
 from isophote.kernels.primitive.layout import PRIMITIVES
 from isophote.kernels.primitive.trace import first_in_boxes
 
@@ -21,21 +27,25 @@ _ZERO, _WORD, _LANES = np.int64(0), np.int64(4), np.int64(LANES)
 open_primitives_at = opener_at(PRIMITIVES)
 
 
-@device
-def _bring(m, k, rays, block, lanes):
+@exact_inline
+def _turned(m, k, first, x, y, z):
+    """A row of affine matrix number `k`, from its element `first` on, but its last element, times sixteen vectors."""
+    a, b, c = splat_doubles16(m[k, first]), splat_doubles16(m[k, first + 1]), splat_doubles16(m[k, first + 2])
+    return a * x + b * y + c * z
+
+
+@exact_inline
+def _bring(m, k, rays, block):
     """Rays by affine matrix number `k`, and their limits, into another block."""
-    a, b, c, d = m[k, 0], m[k, 1], m[k, 2], m[k, 3]
-    e, f, g, h = m[k, 4], m[k, 5], m[k, 6], m[k, 7]
-    p, q, r, s = m[k, 8], m[k, 9], m[k, 10], m[k, 11]
-    for i in range(lanes):
-        x, y, z, u, v, w = rays[X + i], rays[Y + i], rays[Z + i], rays[U + i], rays[V + i], rays[W + i]
-        block[X + i] = a * x + b * y + c * z + d
-        block[Y + i] = e * x + f * y + g * z + h
-        block[Z + i] = p * x + q * y + r * z + s
-        block[U + i] = a * u + b * v + c * w
-        block[V + i] = e * u + f * v + g * w
-        block[W + i] = p * u + q * v + r * w
-        block[HIGH + i] = rays[T + i]
+    x, y, z = load_doubles16(rays, X), load_doubles16(rays, Y), load_doubles16(rays, Z)
+    u, v, w = load_doubles16(rays, U), load_doubles16(rays, V), load_doubles16(rays, W)
+    store_doubles16(block, X, _turned(m, k, 0, x, y, z) + splat_doubles16(m[k, 3]))
+    store_doubles16(block, Y, _turned(m, k, 4, x, y, z) + splat_doubles16(m[k, 7]))
+    store_doubles16(block, Z, _turned(m, k, 8, x, y, z) + splat_doubles16(m[k, 11]))
+    store_doubles16(block, U, _turned(m, k, 0, u, v, w))
+    store_doubles16(block, V, _turned(m, k, 4, u, v, w))
+    store_doubles16(block, W, _turned(m, k, 8, u, v, w))
+    store_doubles16(block, HIGH, load_doubles16(rays, T))
 
 
 @device
@@ -51,25 +61,25 @@ def _meet_one_by_one(meet, own, block, line):
         block[PART + i] = line[layout.FOUND + 1]
 
 
-@device
-def _keep(rays, block, code, lanes):
+@exact_inline
+def _keep(rays, block, code):
     """What is nearer than what the rays have met so far."""
-    for i in range(lanes):
-        nearer = block[T + i] < rays[T + i]
-        rays[T + i] = chosen(nearer, block[T + i], rays[T + i])
-        rays[PART + i] = chosen(nearer, code + block[PART + i], rays[PART + i])
+    t, before = load_doubles16(block, T), load_doubles16(rays, T)
+    nearer, part = t < before, splat_doubles16(code) + load_doubles16(block, PART)
+    store_doubles16(rays, T, chosen_doubles16(nearer, t, before))
+    store_doubles16(rays, PART, chosen_doubles16(nearer, part, load_doubles16(rays, PART)))
 
 
 @device
 def _meet_alone(primitives, number, rays, block, line):
-    _bring(primitives.to_object, number, rays, block, _LANES)
+    _bring(primitives.to_object, number, rays, block)
     own = element_address(primitives.values, np.int64(primitives.numbers[number, layout.FIRST]))
     meet = primitives.entries[number, layout.MEET_LANES]
     if meet != 0:
         call_entry(meet, (own, element_address(block, _ZERO), _LANES))
     else:
         _meet_one_by_one(primitives.entries[number, layout.MEET], own, block, line)
-    _keep(rays, block, _PARTS * np.float64(number), _LANES)
+    _keep(rays, block, _PARTS * np.float64(number))
 
 
 @entry

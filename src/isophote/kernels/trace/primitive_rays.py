@@ -9,8 +9,9 @@ from isophote.kernels.accel.surface import PUBLIC
 from isophote.kernels.base.doubles import doubles_at
 from isophote.kernels.base.entry import call_entry, element_address, table_address
 from isophote.kernels.base.jit import device, kernel
-from isophote.kernels.base.simd import load16
-from isophote.kernels.base.simd_rows import load_triples, store_widened
+from isophote.kernels.base.simd import bits, load16, lowest_bit, select, splat16, store16
+from isophote.kernels.base.simd_double16 import chosen_doubles16, floor_doubles16, load_doubles16, splat_doubles16
+from isophote.kernels.base.simd_rows import load_narrowed, load_triples, store_flags, store_whole, store_widened
 from isophote.kernels.primitive.lanes import BLOCK_DOUBLES, LANES, PART, T, U, V, W, X, Y, Z
 from isophote.kernels.primitive.layout import RAYS_AT, SLOT, SURFACE
 from isophote.kernels.trace.rays import first_fault, open_query, open_scene, open_wave
@@ -18,9 +19,9 @@ from isophote.kernels.trace.rays import first_fault, open_query, open_scene, ope
 __all__ = ["closest_primitive_rays", "occluded_primitive_rays"]
 
 _LANES, _FIRST, _RAYS_AT = np.int64(LANES), np.int64(0), np.int64(RAYS_AT)
-_SLOT, _PART_BITS, _PART = np.int32(SLOT), np.int32(4), np.int32(15)
-_OFF, _NOWHERE, _NOTHING, _ZERO = -1.0, np.int32(-1), np.int32(0), np.float32(0)
-_FAR = np.float32(np.inf)
+# A primitive's codes: so many, by the part that is met.
+_CODES, _PART_BITS, _PART = 16.0, np.int64(4), np.int64(15)
+_OFF, _NONE, _SLOT, _ZERO, _FAR = -1.0, -1.0, float(SLOT), np.float32(0), np.float32(np.inf)
 
 
 @device
@@ -59,27 +60,48 @@ def _trace(scene, query, scratch, rays, first, last):
 
 
 @device
-def _write(scene, query, rays, first, count):
-    """What each ray met, from its code; loops without branches, each over few arrays, become vector instructions."""
-    numbers, items = scene.primitives.numbers, scene.surfaces.items
-    distance, uv, item = query.distance, query.uv, query.item
-    part, slot, instance = query.primitive, query.slot, query.instance
-    for i in range(count):
-        distance[first + i] = np.float32(rays[T + i]) if rays[PART + i] >= 0.0 else _FAR
-    for i in range(count):
-        uv[first + i, 0] = uv[first + i, 1] = _ZERO
-    for i in range(count):
-        instance[first + i] = np.int32(rays[PART + i]) >> _PART_BITS
-    for i in range(count):
-        code = np.int32(rays[PART + i])
-        part[first + i] = (code & _PART) if code >= _NOTHING else _NOWHERE
-    for i in range(count):
-        code = np.int32(rays[PART + i])
-        slot[first + i] = _SLOT - (code & _PART) if code >= _NOTHING else _NOWHERE
-    for i in range(count):
-        code = np.int32(rays[PART + i])
-        row = numbers[max(code, _NOTHING) >> _PART_BITS, SURFACE]
-        item[first + i] = items[row, PUBLIC] if code >= _NOTHING else _NOWHERE
+def _write(scene, query, rays, first):
+    """What sixteen rays met, from their codes."""
+    code, none = load_doubles16(rays, PART), splat_doubles16(_NONE)
+    met = code >= splat_doubles16(0.0)
+    number = floor_doubles16(code * splat_doubles16(1 / _CODES))
+    part = code - splat_doubles16(_CODES) * number
+    store16(query.distance, first, select(met, load_narrowed(rays, T), splat16(_FAR)))
+    store16(query.uv, 2 * first, splat16(_ZERO))
+    store16(query.uv, 2 * first + LANES, splat16(_ZERO))
+    store_whole(query.instance, first, number)
+    store_whole(query.primitive, first, chosen_doubles16(met, part, none))
+    store_whole(query.slot, first, chosen_doubles16(met, splat_doubles16(_SLOT) - part, none))
+    numbers, item = scene.primitives.numbers, query.item
+    if numbers.rows == 1:
+        only = splat_doubles16(np.float64(_item_of(scene, _FIRST)))
+        store_whole(item, first, chosen_doubles16(met, only, none))
+        return
+    store_whole(item, first, none)
+    left = bits(met)
+    while left != 0:
+        i = first + lowest_bit(left)
+        item[i] = _item_of(scene, query.instance[i])
+        left &= left - np.int32(1)
+
+
+@device
+def _item_of(scene, number):
+    return scene.surfaces.items[scene.primitives.numbers[number, SURFACE], PUBLIC]
+
+
+@device
+def _write_few(scene, query, rays, first, last):
+    for i in range(first, last):
+        code = np.int64(rays[PART + i - first])
+        met = code >= 0
+        number, part = code >> _PART_BITS, code & _PART
+        query.distance[i] = np.float32(rays[T + i - first]) if met else _FAR
+        query.uv[i, 0] = query.uv[i, 1] = _ZERO
+        query.instance[i] = number
+        query.primitive[i] = part if met else -1
+        query.slot[i] = SLOT - part if met else -1
+        query.item[i] = _item_of(scene, number) if met else -1
 
 
 @kernel
@@ -94,7 +116,10 @@ def closest_primitive_rays(scene_words, query_words, wave_words, first, last, co
     for start in range(first, last, LANES):
         end = min(start + _LANES, last)
         _trace(scene, query, scratch, rays, start, end)
-        _write(scene, query, rays, start, end - start)
+        if end - start == LANES:
+            _write(scene, query, rays, start)
+        else:
+            _write_few(scene, query, rays, start, end)
     return fault
 
 
@@ -110,6 +135,9 @@ def occluded_primitive_rays(scene_words, query_words, wave_words, first, last, c
     for start in range(first, last, LANES):
         end = min(start + _LANES, last)
         _trace(scene, query, scratch, rays, start, end)
-        for i in range(end - start):
-            blocked[start + i] = rays[PART + i] >= 0.0
+        if end - start == LANES:
+            store_flags(blocked, start, load_doubles16(rays, PART) >= splat_doubles16(0.0))
+        else:
+            for i in range(end - start):
+                blocked[start + i] = rays[PART + i] >= 0.0
     return fault
