@@ -56,9 +56,9 @@ class Built(NamedTuple):
 
     @property
     def bytes(self) -> int:
-        """What tables and blocks take."""
-        tables = (value.nbytes for value in self.tables.arrays.values() if isinstance(value, np.ndarray))
-        return sum(tables) + self.blocks.nbytes
+        """What tables and blocks take; where rays build, as much as they may fill."""
+        arrays = [value for value in self.tables.arrays.values() if isinstance(value, np.ndarray)]
+        return sum(array.nbytes for array in arrays if array is not self.blocks) + self.blocks.nbytes
 
 
 Build: TypeAlias = Callable[[FloatArray, IntArray, int | None], Built]

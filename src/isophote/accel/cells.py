@@ -13,7 +13,6 @@ from isophote.accel.bih import finish
 from isophote.accel.bsp_cells import bsp_levels
 from isophote.accel.treelets import PLANES, ROOT, parted, plane_lanes
 from isophote.errors import GeometryError
-from isophote.kernels.accel import bih_layout
 from isophote.kernels.accel.grid_layout import SIZE
 from isophote.kernels.accel.kd_layout import ACROSS_Z, AXES, CODES, TREELET
 from isophote.kernels.accel.layout import CHILD, LOWER, NODE, UPPER, WIDTH
@@ -133,20 +132,9 @@ def _grid_levels(built: Built, depth: int) -> list[Level]:
 
 
 def _bih_levels(built: Built, depth: int) -> list[Level]:
-    """What planes and slabs leave of the space, of a hierarchy that is built to the end first."""
+    """The boxes of a hierarchy all of whose parts are finished first."""
     finish(built)
-    codes = built.tables.arrays["nodes"].view(np.int32)[:: bih_layout.NODE]
-    regions = built.tables.arrays["ranges"].reshape(-1, bih_layout.RANGE)[:, bih_layout.REGION :].astype(np.float64)
-    numbers, levels = np.zeros(1, np.int64), [built.bounds.astype(np.float64)[None]]
-    while len(levels) <= depth:
-        own = codes[numbers]
-        inner = own[own & 3 != bih_layout.LEAF].astype(np.int64)
-        if not 0 < 2 * len(inner) <= MOST_BOXES:
-            break
-        child = 2 * ((inner >> 2) - 1)
-        numbers = np.concatenate([child, child + 1])
-        levels.append(np.stack([regions[numbers, :3], -regions[numbers, 4:7]], axis=1))
-    return levels
+    return _bvh_levels(built, depth)
 
 
 _LEVELS: dict[str, Callable[[Built, int], list[Level]]] = {

@@ -11,6 +11,7 @@ from isophote.kernels.base.table import Packed
 from isophote.kernels.trace.tables import SCENE
 from isophote.lower.boxes import counting_instances
 from isophote.lower.objects import keep_alive
+from isophote.lower.placement import repacked
 
 __all__ = ["counting"]
 
@@ -35,6 +36,9 @@ def _geometry(geometry: Packed) -> Packed:
     geometry = counting_instances(geometry)
     if geometry.arrays["closest"] != 0:
         return geometry
+    if geometry.arrays["finish"] != 0:
+        kind = accelerator_of("bih")
+        return repacked(GEOMETRY, geometry, closest=kind.closest.address, any=kind.any.address, finish=0)
     arrays = {name: geometry.arrays[name] for name in GEOMETRY.fields}
     tables = [TREE.pack(nodes=arrays["nodes"], root=root) for root in arrays["roots"].tolist()]
     kind = accelerator_of("bvh")

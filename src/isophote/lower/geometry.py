@@ -256,10 +256,11 @@ def lower_geometry(
             surfaces.add(part, cut, 0, IDENTITY)
     for row in bare:
         surfaces.add_bare(*row)
-    fields = join_objects(accelerator, objects, [instance.object for instance in instances])
+    alone = len(instances) == 1 and not shared
+    fields, tables = join_objects(accelerator, objects, [instance.object for instance in instances], alone=alone)
     geometry, slack, bounds = place_instances(fields, [instance.place for instance in instances], accelerator)
     spans = np.array([instance.items for instance in instances], np.int32).reshape(-1, 2)
-    return keep_alive(geometry, [built.tables for built in objects]), surfaces.build(spans, slack), bounds
+    return keep_alive(geometry, tables), surfaces.build(spans, slack), bounds
 
 
 def _build(accelerator: str, positions: FloatArray, triangles: IntArray, threads: int | None) -> Built:

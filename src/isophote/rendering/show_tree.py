@@ -39,11 +39,11 @@ def show_tree(
 ) -> Image:
     """The mesh with the boxes of the nodes of its tree, of all levels from the root, 0, to `depth`, or of `levels`.
 
-    `accelerator` is "bvh", "bih" (what planes and slabs leave; it is built to the end first), "kdtree" (cells between
-    planes), "bsp" (polyhedra between planes in any direction) or "grid" (cells that hold anything, and the grids within
-    them). Levels go from blue through green to red; what lies behind the surface is faint. Levels of more than 8,192
-    boxes are left out; the picture's metadata tells how many boxes each has. Raises `RenderError` for depths without
-    meaning, `GeometryError` for other accelerators.
+    `accelerator` is "bvh", "bih" (which is built to the end first), "kdtree" (cells between planes), "bsp" (polyhedra
+    between planes in any direction) or "grid" (cells that hold anything, and the grids within them).
+    Levels go from blue through green to red; what lies behind the surface is faint. Levels of more than 8,192 boxes are
+    left out; the picture's metadata tells how many boxes each has. Raises `RenderError` for depths without meaning,
+    `GeometryError` for other accelerators.
     """
     if not isinstance(mesh, Mesh):
         raise RenderError(f"show_tree shows the tree over a mesh's triangles, but this is a {type(mesh).__name__}")

@@ -1,76 +1,47 @@
-"""How a bounding interval hierarchy lies in memory, built or not.
+"""How a bounding interval hierarchy lies in memory of which only the upper part is built before rays come.
 
-Wächter, Keller: "Instant Ray Tracing: The Bounding Interval Hierarchy", EGSR 2006. A node parts its triangles in two
-along an axis: those of the lower side end at one plane, those of the upper side begin at another, and the planes may
-lie either way about each other. Of what else bounds its triangles a node knows one interval, on the axis where it cuts
-off most of the space that the planes above leave: its slab. A node fills NODE words, the planes from word PLANES on:
+Wächter, Keller: "Instant Ray Tracing: The Bounding Interval Hierarchy", EGSR 2006. Triangles are sorted into the cells
+of a grid by their centres, as there before large scenes are built on demand. Above the cells, nodes part what they hold
+in two intervals along an axis, at the middle between centres and at no cost's advice; then binary nodes become nodes of
+eight children, with whole boxes, as in layout.py. A cell is a leaf that waits (waiting.py): it is a part, and becomes a
+tree by the surface area heuristic when the first ray comes to it.
 
-    code (int32), end of the lower side, begin of the upper side, least and greatest coordinate on the slab's axis
-    (float32), that axis (int32), two unused
+So a part knows beforehand where all that is its own will lie, and threads need not agree on who comes first:
 
-Code WAITING: nobody has come here. BUSY: a thread is splitting it. Else (number + 1) · 4 + axis, or + LEAF. The slab is
-written when the parent is split.
+    order      the numbers of its triangles, from `begin` to `end`
+    nodes      from node    part + begin // NODE_SHARE + those above the parts
+    blocks     from block   part + begin // BLOCK_SHARE
 
-Triangles stand in an order of their own, and a node has a range of it. Ranges are cut at multiples of LANES, and no two
-at the same place. So the place of the cut numbers a node's children: the cut before triangle 4 k has the nodes 2 k and
-2 k + 1; and a leaf, which is four triangles from 4 k on, has block k. Threads need not agree on who comes first, and
-all blocks are full. The root is node 0, and node 1 is none.
-
-For each node there is a row of RANGE words, which is read when it is split and written when its parent is: bounds of
-(c, −c), c twice the centres of its triangles' boxes, as in build.py, with its first triangle in lane 3 and its end in
-lane 7 (int32); then the space that planes and slabs leave it, (lower, −upper).
+A tree of n triangles that would need more than 1 + n / BLOCK_SHARE blocks or n / NODE_SHARE nodes is made by halves
+instead, which never does.
 """
 
 from __future__ import annotations
 
-from isophote.kernels.base.table import DOUBLE_BOXES, FLOAT, FLOATS, INT, INTS, Table
+from isophote.kernels.base.table import FLOAT, FLOATS, INT, INTS, LONG_ROWS, Table
 
-__all__ = [
-    "BEGIN",
-    "BIH",
-    "BUSY",
-    "CELLS",
-    "END",
-    "LEAF",
-    "MOST_GRID_LEVELS",
-    "NODE",
-    "PLANES",
-    "RANGE",
-    "REGION",
-    "SLAB",
-    "SLAB_AXIS",
-    "WAITING",
-]
+__all__ = ["BEGIN", "BIH", "BLOCK_SHARE", "BUSY", "END", "FINISHED", "NODE_SHARE", "UNTOUCHED", "WORD"]
 
-NODE = 8
-PLANES = 1
-SLAB, SLAB_AXIS = 3, 5
-WAITING, BUSY = 0, -1
-LEAF = 3
+# Columns of a part: its range of `order`, and the word of `nodes` that has its code.
+BEGIN, END, WORD = 0, 1, 2
+# What a part's state says.
+UNTOUCHED, BUSY, FINISHED = 0, 1, 2
 
-RANGE = 16
-REGION = 8
-BEGIN, END = 3, 7
+NODE_SHARE, BLOCK_SHARE = 8, 2
 
-# Cells of the grid along the longest side of everything; nodes are split at its planes, the coarsest first. Below so
-# many levels, ranges are halved as they stand.
-CELLS = 2.0**24
-MOST_GRID_LEVELS = 160
-
-# `nodes`, `ranges` as above; `records`: boxes and numbers of triangles (build.py), in the order that ranges are of;
-# `positions`, `corners`: what blocks are filled from; `grid` (1, 4): origin and cells a unit of length, for twice the
-# centres; `bounds` (6,): least and greatest corner; `reach`: the largest coordinate's size; `count`: triangles;
-# `split`: address of the entry that splits nodes.
+# `nodes`, `blocks`: as in layout.py; `first_node`: the first that is not above the parts. `parts` (k, 3), `states` (k,):
+# as above. `order`: numbers of triangles, which `positions` and `corners` have. `reach`: the largest coordinate's size.
+# `finish`: address of the entry that finishes parts.
 BIH = Table(
     "Bih",
     nodes=FLOATS,
-    ranges=FLOATS,
-    records=FLOATS,
+    blocks=FLOATS,
+    first_node=INT,
+    parts=LONG_ROWS,
+    states=INTS,
+    order=INTS,
     positions=FLOATS,
     corners=INTS,
-    grid=DOUBLE_BOXES,
-    bounds=FLOATS,
     reach=FLOAT,
-    count=INT,
-    split=INT,
+    finish=INT,
 )

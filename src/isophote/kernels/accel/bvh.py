@@ -11,8 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from isophote.kernels.accel.layout import CHILD, LANES, NODE, REACH, STACK, UPPER
+from isophote.kernels.accel.layout import CHILD, LANES, NODE, NOTED, REACH, STACK, UPPER
 from isophote.kernels.accel.spread import LARGEST, spread_of
+from isophote.kernels.accel.waiting import finish_noted, note_none, note_part
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.simd import (
     bits,
@@ -38,6 +39,7 @@ _ZERO = np.float32(0)
 FAR_SLACK = np.float32(1 + 2.0**-20)
 _NO_HIT = np.int64(-1)
 _BOTTOM = np.int64(0)
+_NOTED = np.int64(NOTED)
 
 
 class Slabs(NamedTuple):
@@ -106,11 +108,12 @@ def enter_children(nodes, base, ray, t_max):
 
 
 @device
-def closest_triangle(nodes, blocks, root, origin, direction, t_max, stack):
+def closest_triangle(nodes, blocks, root, origin, direction, t_max, stack, parts=None):
     """The nearest triangle that the ray meets at 0 < t < `t_max`.
 
     Returns (t, weight of corner 1, weight of corner 2, slot), where slot = block * LANES + lane, or -1 for none
-    (t is `t_max` then). `stack` is float32 scratch of layout.SCRATCH words.
+    (t is `t_max` then). `stack` is float32 scratch of layout.SCRATCH words. `parts`: who finishes parts of the tree
+    that wait (waiting.py), if there may be any.
     """
     box = slabs(origin, direction, load_float(nodes, np.int64(root) * NODE + REACH))
     ray = shear(origin, direction)
@@ -118,6 +121,7 @@ def closest_triangle(nodes, blocks, root, origin, direction, t_max, stack):
     top = np.int64(0)
     row = np.int64(STACK)
     node = np.int32(root)
+    note_none(parts, stack, _NOTED)
     while True:
         if node >= 0:
             base = np.int64(node) * NODE
@@ -156,6 +160,7 @@ def closest_triangle(nodes, blocks, root, origin, direction, t_max, stack):
                 continue
         else:
             code = np.int64(-1) - np.int64(node)
+            note_part(parts, code, stack, _NOTED)
             first = code >> 3
             for block in range(first, first + (code & 7)):
                 met, t, w1, w2 = hit_block(blocks, block, ray, t_max)
@@ -171,6 +176,9 @@ def closest_triangle(nodes, blocks, root, origin, direction, t_max, stack):
                             weight1, weight2 = lane(w1, k), lane(w2, k)
         while True:
             if top == 0:
+                if finish_noted(parts, stack, _NOTED):
+                    node = np.int32(root)
+                    break
                 return t_max, weight1, weight2, slot
             top -= 2
             if load_float(stack, top) < t_max:
@@ -179,17 +187,18 @@ def closest_triangle(nodes, blocks, root, origin, direction, t_max, stack):
 
 
 @device
-def any_triangle(nodes, blocks, root, origin, direction, t_max, stack):
-    """Whether the ray meets a triangle at 0 < t < `t_max`."""
+def any_triangle(nodes, blocks, root, origin, direction, t_max, stack, parts=None):
+    """Whether the ray meets a triangle at 0 < t < `t_max`; see closest_triangle."""
     box = slabs(origin, direction, load_float(nodes, np.int64(root) * NODE + REACH))
-    return any_below(nodes, blocks, np.int32(root), box, shear(origin, direction), t_max, stack, _BOTTOM)
+    return any_below(nodes, blocks, np.int32(root), box, shear(origin, direction), t_max, stack, _BOTTOM, parts)
 
 
 @device
-def any_below(nodes, blocks, node, box, ray, t_max, stack, bottom):
+def any_below(nodes, blocks, root, box, ray, t_max, stack, bottom, parts=None):
     """Whether the ray meets a triangle below a node or in a leaf, given by its code, at 0 < t < `t_max`. The stack
     begins at word `bottom`."""
-    top = np.int64(bottom)
+    node, top = np.int32(root), np.int64(bottom)
+    note_none(parts, stack, _NOTED)
     while True:
         if node >= 0:
             base = np.int64(node) * NODE
@@ -204,12 +213,16 @@ def any_below(nodes, blocks, node, box, ray, t_max, stack, bottom):
                 continue
         else:
             code = np.int64(-1) - np.int64(node)
+            note_part(parts, code, stack, _NOTED)
             first = code >> 3
             for block in range(first, first + (code & 7)):
                 met, _, _, _ = hit_block(blocks, block, ray, t_max)
                 if met != 0:
                     return True
-        if top == bottom:
+        if top > bottom:
+            top -= 1
+            node = load_int(stack, top)
+        elif finish_noted(parts, stack, _NOTED):
+            node = np.int32(root)
+        else:
             return False
-        top -= 1
-        node = load_int(stack, top)

@@ -15,6 +15,7 @@ from isophote.kernels.accel.bvh import any_triangle, closest_triangle, enter_chi
 from isophote.kernels.accel.contract import LIMIT, RAY_WORDS, WEIGHT1, WEIGHT2, set_ray
 from isophote.kernels.accel.layout import BLOCK, CHILD, LANES, NODE, PACKET_SCRATCH, REACH, SCRATCH, STACK
 from isophote.kernels.accel.things import BOXES, ask_boxes
+from isophote.kernels.accel.waiting import Waiting
 from isophote.kernels.base.entry import call_entry, element_address, floats_at, table_address
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.simd import load_float, load_int, lowest_bit, store8, store_float, store_int
@@ -32,6 +33,7 @@ __all__ = [
     "closest_hit",
     "into_object",
     "occluded",
+    "parts_of",
     "push_boxes",
 ]
 
@@ -57,7 +59,8 @@ _CLOSEST, _ANY = np.int64(0), np.int64(1)
 # meets first of an instance, and `blocking`, with that of whether it meets any of it. `closest`, `any`: the entries of
 # the accelerator of all objects (contract.py), or 0 for trees, which are compiled into what asks; `objects`
 # (instances,): addresses of its tables for each instance's object, and `first_blocks` (instances,): the object's first
-# block.
+# block. `finish`: the entry that finishes parts of trees that wait (waiting.py), which is given the object's tables, or
+# 0 where none do.
 GEOMETRY = Table(
     "Geometry",
     nodes=FLOATS,
@@ -74,6 +77,7 @@ GEOMETRY = Table(
     any=INT,
     objects=LONGS,
     first_blocks=LONGS,
+    finish=INT,
 )
 
 
@@ -134,12 +138,20 @@ def _closest_by_entry(geometry, instance, origin, direction, best, scratch):
 
 
 @device
+def parts_of(geometry, instance):
+    """Who finishes parts of the tree of an instance's object that wait."""
+    return Waiting(geometry.finish, geometry.objects[instance])
+
+
+@device
 def _closest_in_instance(geometry, instance, origin, direction, best, scratch):
     """`best`, or the nearer hit of an instance."""
     o, d = into_object(geometry, instance, origin, direction)
     if geometry.closest != 0:
         return _closest_by_entry(geometry, instance, o, d, best, scratch)
-    t, w1, w2, slot = closest_triangle(geometry.nodes, geometry.blocks, geometry.roots[instance], o, d, best.t, scratch)
+    parts = parts_of(geometry, instance)
+    root = geometry.roots[instance]
+    t, w1, w2, slot = closest_triangle(geometry.nodes, geometry.blocks, root, o, d, best.t, scratch, parts)
     return Hit(t, w1, w2, slot, instance) if slot >= 0 else best
 
 
@@ -149,7 +161,8 @@ def _any_in_instance(geometry, instance, origin, direction, t_max, scratch):
     if geometry.any != 0:
         blocked, _ = _ask_entry(geometry, geometry.any, instance, o, d, t_max, scratch)
         return blocked != 0
-    return any_triangle(geometry.nodes, geometry.blocks, geometry.roots[instance], o, d, t_max, scratch)
+    parts = parts_of(geometry, instance)
+    return any_triangle(geometry.nodes, geometry.blocks, geometry.roots[instance], o, d, t_max, scratch, parts)
 
 
 @device

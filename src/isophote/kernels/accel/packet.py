@@ -24,12 +24,14 @@ from isophote.kernels.accel.layout import (
     NUMBER,
     PACKET,
     PACKET_NEAR,
+    PACKET_NOTED,
     PACKET_STACK,
     REACH,
     UPPER,
     WIDTH,
 )
 from isophote.kernels.accel.spread import LARGEST, LEAST_SHARE, PLACE_SLACK, TINY
+from isophote.kernels.accel.waiting import finish_noted, note_none, note_part
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.simd import (
     absolute,
@@ -74,6 +76,7 @@ ORIGINS, DIRECTIONS, LIMIT, WEIGHT1, WEIGHT2, SLOT, _SHEARS = (np.int64(row) for
 _ZERO, _ONE = np.float32(0), np.float32(1)
 _FAR = np.float32(np.inf)
 _NO_HIT = np.int32(-1)
+_NOTED = np.int64(PACKET_NOTED)
 
 
 @device
@@ -323,11 +326,12 @@ def _prepare(scratch, axis, reach):
 
 
 @device
-def closest_packet(nodes, blocks, axis, scratch):
+def closest_packet(nodes, blocks, axis, scratch, parts):
     """First hits of the PACKET rays in `scratch`, whose longest components are all along `axis`.
 
     Rows of origins, directions and limits are read; t, weights and slots (int32) are left in the rows LIMIT, WEIGHT1,
     WEIGHT2 and SLOT; slot −1 where a ray meets nothing before its limit. A negative limit switches a lane off.
+    `parts`: who finishes parts of the tree that wait (waiting.py).
     """
     axes, packet, interval = _prepare(scratch, axis, load_float(nodes, REACH))
     store16(scratch, SLOT * PACKET, splat16(as_float(_NO_HIT)))
@@ -335,15 +339,20 @@ def closest_packet(nodes, blocks, axis, scratch):
     base = np.int64(PACKET_STACK)
     top = base
     node = np.int32(0)
+    note_none(parts, scratch, _NOTED)
     while True:
         if node >= 0:
             top = _push_children(nodes, np.int64(node) * NODE, scratch, top, packet, interval, bound)
         else:
             code = np.int64(-1) - np.int64(node)
+            note_part(parts, code, scratch, _NOTED)
             _hit_leaf(blocks, code >> 3, code & 7, axes, scratch)
             bound = largest(_row(scratch, LIMIT))
         while True:
             if top == base:
+                if finish_noted(parts, scratch, _NOTED):
+                    node = np.int32(0)
+                    break
                 return
             top -= 2
             if load_float(scratch, top) < bound:
@@ -352,7 +361,7 @@ def closest_packet(nodes, blocks, axis, scratch):
 
 
 @device
-def any_packet(nodes, blocks, axis, scratch):
+def any_packet(nodes, blocks, axis, scratch, parts):
     """Which of the packet's rays meet anything before their limit: bit k for lane k; see closest_packet."""
     axes, packet, interval = _prepare(scratch, axis, load_float(nodes, REACH))
     kx, ky, kz = axes
@@ -361,11 +370,13 @@ def any_packet(nodes, blocks, axis, scratch):
     base = np.int64(PACKET_STACK)
     top = base
     node = np.int32(0)
+    note_none(parts, scratch, _NOTED)
     while True:
         if node >= 0:
             top = _push_children(nodes, np.int64(node) * NODE, scratch, top, packet, interval, bound)
         else:
             code = np.int64(-1) - np.int64(node)
+            note_part(parts, code, scratch, _NOTED)
             first = code >> 3
             for block in range(first, first + (code & 7)):
                 for k in range(LANES):
@@ -378,7 +389,10 @@ def any_packet(nodes, blocks, axis, scratch):
             bound = largest(_row(scratch, LIMIT))
             if bound < _ZERO:
                 return blocked
-        if top == base:
+        if top > base:
+            top -= 2
+            node = load_int(scratch, top + 1)
+        elif finish_noted(parts, scratch, _NOTED):
+            node = np.int32(0)
+        else:
             return blocked
-        top -= 2
-        node = load_int(scratch, top + 1)

@@ -28,7 +28,7 @@ from isophote.kernels.base.simd import load_float, load_int, lowest_bit, store8,
 from isophote.kernels.base.table import FLOATS, INT, Table
 from isophote.kernels.forms.triangle import shear
 
-__all__ = ["TREE", "any_in_tree", "closest_in_tree", "things_in_tree"]
+__all__ = ["TREE", "any_in_tree", "closest_in_tree", "push_children", "things_in_tree", "triangles_in"]
 
 # `nodes`, and the number of the `root` among them.
 TREE = Table("Tree", nodes=FLOATS, root=INT)
@@ -46,7 +46,7 @@ def _reach_of(tree):
 
 
 @device
-def _triangles_in(blocks, first, last):
+def triangles_in(blocks, first, last):
     """How many triangles blocks first ≤ b < last hold."""
     count = np.int64((last - first) * LANES)
     at = (last - 1) * BLOCK + NUMBER
@@ -57,7 +57,7 @@ def _triangles_in(blocks, first, last):
 
 
 @device
-def _push_children(nodes, node, box, t_max, level, ray, top):
+def push_children(nodes, node, box, t_max, level, ray, top):
     """Push the children that the ray enters before `t_max`, the nearest last. Returns the new top."""
     base = np.int64(node) * NODE
     entered, near = enter_children(nodes, base, box, t_max)
@@ -93,11 +93,11 @@ def closest_in_tree(tables, blocks, ray):
         visited += 1
         deepest = max(deepest, level)
         if node >= 0:
-            top = _push_children(tree.nodes, node, box, nearest.t, level + 1, words, top)
+            top = push_children(tree.nodes, node, box, nearest.t, level + 1, words, top)
         else:
             code = np.int64(-1) - np.int64(node)
             first, last = code >> 3, (code >> 3) + (code & 7)
-            count = _triangles_in(triangles, first, last)
+            count = triangles_in(triangles, first, last)
             tested += count
             nearest = closest_in_blocks(triangles, first, count, sheared, nearest, words)
         while True:
@@ -128,11 +128,11 @@ def any_in_tree(tables, blocks, ray):
         visited += 1
         deepest = max(deepest, level)
         if node >= 0:
-            top = _push_children(tree.nodes, node, box, limit, level + 1, words, top)
+            top = push_children(tree.nodes, node, box, limit, level + 1, words, top)
         else:
             code = np.int64(-1) - np.int64(node)
             first, last = code >> 3, (code >> 3) + (code & 7)
-            count = _triangles_in(triangles, first, last)
+            count = triangles_in(triangles, first, last)
             tested += count
             met = np.int64(any_in_blocks(triangles, first, count, sheared, limit))
     add_counts(words, visited, tested, deepest)
@@ -153,7 +153,7 @@ def things_in_tree(tables, items, ray, test, subject, any_will_do):
         visited += 1
         deepest = max(deepest, level)
         if node >= 0:
-            top = _push_children(tree.nodes, node, box, nearest.t, level + 1, words, top)
+            top = push_children(tree.nodes, node, box, nearest.t, level + 1, words, top)
         else:
             code = np.int64(-1) - np.int64(node)
             first = code >> 3

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from isophote.kernels.accel.field_chain import closest_field, field_occludes
-from isophote.kernels.accel.geometry import Hit, closest_hit, occluded
+from isophote.kernels.accel.geometry import Hit, closest_hit, occluded, parts_of
 from isophote.kernels.accel.layout import BLOCK, PACKET
 from isophote.kernels.accel.packet import (
     LIMIT,
@@ -46,6 +46,8 @@ _ZERO, _ONE = np.float32(0), np.float32(1)
 _HIT_ROWS = tuple(np.int64(row) for row in (rows.ORIGIN, rows.HIT_T, rows.HIT_SLOT, rows.HIT_INSTANCE))
 _SHADOW_ROWS = tuple(np.int64(row) for row in (rows.SHADOW_ORIGIN, rows.SHADOW_END, rows.BLOCKED))
 
+# Packets go through the only instance's tree.
+_ALONE = np.int64(0)
 # Scenes of so few leaf blocks are traced in packets even where rays go every way.
 _FEW_BLOCKS = 24
 
@@ -111,6 +113,7 @@ def _store_hits(wave, first, last):
 @device
 def closest_in_packets(geometry, wave, count):
     """First triangle of every ray of the wave before the limit in its row HIT_T, sixteen rays at a time."""
+    parts = parts_of(geometry, _ALONE)
     count0, count1 = _sort_by_axis(wave, rows.DIRECTION, count)
     start = np.int64(0)
     for axis in range(3):
@@ -118,7 +121,7 @@ def closest_in_packets(geometry, wave, count):
         for first in range(start, end, PACKET):
             last = min(first + PACKET, end)
             _load_packet(wave, first, last, rows.ORIGIN, rows.HIT_T)
-            closest_packet(geometry.nodes, geometry.blocks, axis, wave.scratch)
+            closest_packet(geometry.nodes, geometry.blocks, axis, wave.scratch, parts)
             _store_hits(wave, first, last)
         start = end
 
@@ -181,6 +184,7 @@ def _trace_to_surfaces(scene, wave, count, coherent):
 @device
 def blocked_in_packets(geometry, wave, count):
     """Whether each shadow ray of the wave meets a triangle before its end, 0 or 1 in its row BLOCKED."""
+    parts = parts_of(geometry, _ALONE)
     count0, count1 = _sort_by_axis(wave, rows.SHADOW_DIRECTION, count)
     order, scratch = wave.longs[rows.ORDER], wave.scratch
     start = np.int64(0)
@@ -189,7 +193,7 @@ def blocked_in_packets(geometry, wave, count):
         for first in range(start, end, PACKET):
             last = min(first + PACKET, end)
             _load_packet(wave, first, last, rows.SHADOW_ORIGIN, rows.SHADOW_END)
-            blocked = any_packet(geometry.nodes, geometry.blocks, axis, scratch)
+            blocked = any_packet(geometry.nodes, geometry.blocks, axis, scratch, parts)
             for lane in range(last - first):
                 wave.ints[rows.BLOCKED, order[first + lane]] = (blocked >> lane) & 1
         start = end

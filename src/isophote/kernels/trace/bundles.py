@@ -18,8 +18,9 @@ _BUNDLE = np.int64(BUNDLE)
 
 @device
 def in_bundles(geometry):
-    """Whether rays can go in bundles: through trees, and for one object."""
-    return geometry.top_nodes.rows == 0 and geometry.closest == 0 and geometry.blocks.rows > 0
+    """Whether rays can go in bundles: through trees that are finished, and for one object."""
+    tree = geometry.closest == 0 and geometry.finish == 0
+    return geometry.top_nodes.rows == 0 and tree and geometry.blocks.rows > 0
 
 
 @device
