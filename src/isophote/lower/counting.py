@@ -11,7 +11,7 @@ from isophote.kernels.base.table import Packed
 from isophote.kernels.trace.tables import SCENE
 from isophote.lower.boxes import counting_instances
 from isophote.lower.objects import keep_alive
-from isophote.lower.placement import repacked
+from isophote.lower.packing import repacked
 
 __all__ = ["counting"]
 

@@ -27,8 +27,8 @@ def join_objects(
     """The fields of GEOMETRY that come from accelerators of one name, and tables that they name by addresses and that
     must be kept alive; `uses` is the object of each instance, and `alone` tells that there is one, which never moves.
 
-    Trees become one array of nodes, which the kernels that ask go through themselves; so they do with a hierarchy that is
-    alone. The tables of other accelerators stay by themselves.
+    Trees become one array of nodes, which the kernels that ask go through themselves; so they do with a hierarchy that
+    is alone. The tables of other accelerators stay by themselves.
     """
     firsts = np.cumsum([0, *(len(built.blocks) // BLOCK for built in objects)])
     fields: dict[str, Any] = {
