@@ -118,11 +118,11 @@ def _grid_levels(built: Built, depth: int) -> list[Level]:
         for grid in grids:
             nx, ny, nz, first = (int(number) for number in shapes[grid])
             codes = cells[first : first + nx * ny * nz]
-            filled = np.flatnonzero(codes)
+            filled = np.flatnonzero(codes >= 0)
             at = np.stack([filled % nx, filled // nx % ny, filled // (nx * ny)], axis=1)
             low = frames[grid, :3] + at * frames[grid, SIZE : SIZE + 3]
             boxes.append(np.stack([low, low + frames[grid, SIZE : SIZE + 3]], axis=1))
-            within += (-codes[codes < 0]).tolist()
+            within += (codes[filled][codes[filled] & 1 == 1] >> 1).tolist()
         level = np.concatenate(boxes)
         if not 0 < len(level) <= MOST_BOXES:
             break

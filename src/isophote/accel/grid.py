@@ -10,15 +10,30 @@ import numpy.typing as npt
 from isophote.accel.accelerator import Accelerator, Built, blocks_of, padded_slots
 from isophote.accel.crew import Run, crew, ranges
 from isophote.kernels.accel.grid_build import (
+    BOX_COST,
     NARROWEST,
+    TRIANGLE_COST,
     choose_root,
     choose_subgrids,
     place_triangles,
     slack_for,
     triangle_sums,
 )
+from isophote.kernels.accel.grid_empty import measure_empty
 from isophote.kernels.accel.grid_entry import any_in_grid, closest_in_grid, things_in_grid
-from isophote.kernels.accel.grid_layout import GRID, MOST_LEVELS, NEAR_ORIGINS
+from isophote.kernels.accel.grid_layout import (
+    GRID,
+    MOST_LEVELS,
+    NEAR,
+    NEAR_ORIGINS,
+    NOTHING,
+    ROUNDING,
+    ROW,
+    SIZE,
+    SLACK,
+)
+from isophote.kernels.accel.grid_order import order_lists
+from isophote.kernels.accel.layout import LANES, WIDTH
 from isophote.kernels.base.table import Packed
 
 __all__ = ["GRID_OF_GRIDS"]
@@ -33,6 +48,8 @@ _SLAB = 1 << 15
 _MOST_SLABS = 8
 # Flat boxes are made so many slacks thick.
 _THINNEST = 4.0
+# Slack for origins farther than they need count as near is at most this part of a cell: 1 / _FINE.
+_FINE = 32.0
 
 
 class _Level(NamedTuple):
@@ -53,11 +70,17 @@ class _Filled(NamedTuple):
 
 
 class _Geometry(NamedTuple):
-    """Flat positions and triangles, and what runs jobs."""
+    """Flat positions and triangles, whether these stand for boxes (kernels/accel/clip.py), and what runs jobs."""
 
     positions: FloatArray
     triangles: IntArray
+    boxes: bool
     run: Run
+
+    @property
+    def item_cost(self) -> float:
+        """What a triangle, or a box, costs a ray in a list."""
+        return BOX_COST if self.boxes else TRIANGLE_COST
 
 
 def _build(positions: FloatArray, triangles: IntArray, threads: int | None) -> Built:
@@ -66,8 +89,9 @@ def _build(positions: FloatArray, triangles: IntArray, threads: int | None) -> B
     bounds = np.stack([corners.min(axis=0, initial=np.inf), corners.max(axis=0, initial=-np.inf)]).astype(np.float32)
     if count == 0:
         return Built(_nothing(), np.empty(0, np.float32), bounds)
+    boxes = bool((triangles[:, 1] == triangles[:, 2]).all())
     with crew(threads, count) as run:
-        geometry = _Geometry(positions.reshape(-1), triangles.reshape(-1), run)
+        geometry = _Geometry(positions.reshape(-1), triangles.reshape(-1), boxes, run)
         level = _root(geometry, count, bounds.astype(np.float64))
         levels, filled, chosen = [], [], []
         while True:
@@ -76,25 +100,30 @@ def _build(positions: FloatArray, triangles: IntArray, threads: int | None) -> B
             chosen.append(_choose(geometry, level, filled[-1], last=len(levels) == MOST_LEVELS))
             if not (chosen[-1].shapes[:, 0] > 0).any():
                 break
-            level = _next_level(level, filled[-1], chosen[-1])
-        tables, slots = _table(levels, filled, chosen)
+            level = _next_level(filled[-1], chosen[-1], float(levels[0].frames[0, NEAR]))
+        tables, slots = _table(geometry, levels, filled, chosen)
     return Built(tables, blocks_of(positions, triangles, slots, threads), bounds)
 
 
 def _nothing() -> Packed:
     """A grid of one empty cell."""
-    frames = _frames(np.zeros((1, 3)), np.ones((1, 3)), np.ones((1, 3), np.int64), np.ones(1))
-    cells, lists = np.zeros(1, np.int32), np.zeros((1, 2), np.int32)
-    return GRID.pack(frames=frames, shapes=np.array([[1, 1, 1, 0]]), cells=cells, lists=lists)
+    shape, none = np.ones((1, 3), np.int64), np.zeros(0, np.float32)
+    frames = _frames(np.array([[0.0, 0, 0, 1, 1, 1]]), shape, np.ones(1), 0.0)
+    cells, lists = np.full(1, NOTHING, np.int32), np.zeros((0, 3), np.int32)
+    return GRID.pack(frames=frames, shapes=np.array([[1, 1, 1, 0]]), cells=cells, lists=lists, rows=none, reach=0.0)
 
 
-def _frames(lower: Doubles, extents: Doubles, shapes: Longs, reaches: Doubles) -> Doubles:
-    """Frames of grids that are to hold boxes (g, 3) with so many cells on x, y, z (g, 3)."""
-    largest = extents.max(axis=1)
-    slack = np.array([slack_for(*pair) for pair in zip(largest.tolist(), reaches.tolist(), strict=True)])[:, None]
-    near = (NEAR_ORIGINS * 0.5 * largest)[:, None]
-    wide = (extents + 4 * slack) / shapes
-    return np.concatenate([lower - 2 * slack, wide, slack, near, reaches[:, None]], axis=1)
+def _frames(boxes: Doubles, shapes: Longs, reaches: Doubles, farthest: float) -> Doubles:
+    """Frames of grids that are to hold boxes (g, 6) with so many cells on x, y, z (g, 3). Origins are near as far away
+    as slack stays a small part of the cells, up to `farthest`."""
+    extents = boxes[:, 3:] - boxes[:, :3]
+    thinnest = np.where(shapes > 1, extents / shapes, np.inf).min(axis=1)
+    own = NEAR_ORIGINS * 0.5 * extents.max(axis=1)
+    near = np.maximum(own, np.minimum(farthest, thinnest / (_FINE * ROUNDING) - reaches))[:, None]
+    slack = ROUNDING * (near + reaches[:, None])
+    lower = boxes[:, :3] - np.maximum(0.5 * (_THINNEST * slack - extents), 0.0)
+    wide = (np.maximum(extents, _THINNEST * slack) + 4 * slack) / shapes
+    return np.concatenate([lower - 2 * slack, wide, slack, near, reaches[:, None], 1 / wide], axis=1)
 
 
 def _root(geometry: _Geometry, count: int, bounds: Doubles) -> _Level:
@@ -110,9 +139,10 @@ def _root(geometry: _Geometry, count: int, bounds: Doubles) -> _Level:
     arrays = geometry.positions, geometry.triangles
     geometry.run(triangle_sums, [(*arrays, *piece, sums[i]) for i, piece in enumerate(pieces)])
     shape = np.empty(3, np.int64)
-    choose_root(count, sums.sum(axis=0), extents, shape)
+    choose_root(count, geometry.item_cost, sums.sum(axis=0), extents, shape)
     shape = np.maximum(np.minimum(shape, (extents / (NARROWEST * slack)).astype(np.int64)), 1)
-    frames = _frames((middle - extents / 2)[None], extents[None], shape[None], np.array([largest / 2]))
+    box = np.concatenate([middle - extents / 2, middle + extents / 2])[None]
+    frames = _frames(box, shape[None], np.array([largest / 2]), 0.0)
     return _Level(frames, np.append(shape, 0)[None], np.array([0, count]), np.arange(count, dtype=np.int32))
 
 
@@ -146,19 +176,21 @@ def _jobs(level: _Level) -> tuple[Longs, list[tuple[int, int]]]:
 
 
 class _Chosen(NamedTuple):
-    """For each cell of a level, the cells on x, y, z of the grid that it should be (cells, 3), 0 where it stays a list,
-    and how far corners of its triangles lie from its middle (cells,)."""
+    """For each cell of a level, the cells on x, y, z of the grid that it should be (cells, 3), 0 where it stays a list;
+    the box of what it holds (cells, 6), and how far corners of its triangles lie from that one's middle (cells,)."""
 
     shapes: Longs
+    boxes: Doubles
     reaches: Doubles
 
 
 def _choose(geometry: _Geometry, level: _Level, filled: _Filled, *, last: bool) -> _Chosen:
     """Which cells of a level become grids; none of the last level."""
     cells = len(filled.starts) - 1
-    chosen = _Chosen(np.zeros((cells, 3), np.int64), np.zeros(cells))
+    chosen = _Chosen(np.zeros((cells, 3), np.int64), np.zeros((cells, 6)), np.zeros(cells))
     if not last:
-        given = geometry.positions, geometry.triangles, filled.references, filled.starts, level.frames, level.shapes
+        corners = geometry.positions, geometry.triangles, geometry.item_cost
+        given = *corners, filled.references, filled.starts, level.frames, level.shapes
         jobs = []
         for begin, end in ranges(0, cells):
             grid = int(np.searchsorted(level.shapes[:, 3], begin, side="right")) - 1
@@ -167,14 +199,11 @@ def _choose(geometry: _Geometry, level: _Level, filled: _Filled, *, last: bool) 
     return chosen
 
 
-def _next_level(level: _Level, filled: _Filled, chosen: _Chosen) -> _Level:
+def _next_level(filled: _Filled, chosen: _Chosen, farthest: float) -> _Level:
     """The grids that cells of a level become."""
     cells = np.flatnonzero(chosen.shapes[:, 0])
     inner = chosen.shapes[cells]
-    grid = np.searchsorted(level.shapes[:, 3], cells, side="right") - 1
-    frame, shape, rest = level.frames[grid], level.shapes[grid], cells - level.shapes[grid, 3]
-    place = np.stack([rest % shape[:, 0], rest // shape[:, 0] % shape[:, 1], rest // (shape[:, 0] * shape[:, 1])], 1)
-    frames = _frames(frame[:, :3] + place * frame[:, 3:6], frame[:, 3:6], inner, chosen.reaches[cells])
+    frames = _frames(chosen.boxes[cells], inner, chosen.reaches[cells], farthest)
     sizes = inner.prod(axis=1)
     shapes = np.concatenate([inner, (np.cumsum(sizes) - sizes)[:, None]], axis=1)
     counts = filled.starts[cells + 1] - filled.starts[cells]
@@ -184,31 +213,79 @@ def _next_level(level: _Level, filled: _Filled, chosen: _Chosen) -> _Level:
     return _Level(frames, shapes, starts, references)
 
 
-def _table(levels: list[_Level], filled: list[_Filled], chosen: list[_Chosen]) -> tuple[Packed, IntArray]:
-    """The table of all levels, and the triangles in the slots of the lists' blocks. List 0 is none."""
-    codes, shapes, kept, counts = [], [], [], [np.zeros(1, np.int64)]
+def _table(
+    geometry: _Geometry, levels: list[_Level], filled: list[_Filled], chosen: list[_Chosen]
+) -> tuple[Packed, IntArray]:
+    """The table of all levels, and the triangles in the slots of the lists' blocks."""
+    codes, shapes, kept, counts = [], [], [], []
     grids, cells, lists = 1, 0, 0
     for level, content, choice in zip(levels, filled, chosen, strict=True):
         own = np.diff(content.starts)
         inner = choice.shapes[:, 0] > 0
         listed = (own > 0) & ~inner
-        code = np.zeros(len(own), np.int32)
-        code[inner] = -(grids + np.arange(inner.sum()))
-        code[listed] = 1 + lists + np.arange(listed.sum())
+        code = np.full(len(own), NOTHING, np.int32)
+        code[inner] = 2 * (grids + np.arange(inner.sum())) + 1
+        code[listed] = 2 * (lists + np.arange(listed.sum()))
         codes.append(code)
         shapes.append(level.shapes + np.array([0, 0, 0, cells]))
         kept.append(content.references[np.repeat(listed, own)])
         counts.append(own[listed])
         grids, cells, lists = grids + int(inner.sum()), cells + len(own), lists + int(listed.sum())
+    all_frames, all_shapes = np.concatenate([level.frames for level in levels]), np.concatenate(shapes)
+    all_cells, references = np.concatenate(codes), np.concatenate(kept)
     sizes = np.concatenate(counts).astype(np.int32)
-    starts, slots = padded_slots(sizes, np.concatenate(kept))
+    rows, first_rows = _ordered(geometry, references, sizes, _boxes_of_lists(all_frames, all_shapes, all_cells))
+    geometry.run(measure_empty, [(all_cells, all_shapes, *piece) for piece in _pieces(all_shapes)])
+    starts, slots = padded_slots(sizes, references)
     tables = GRID.pack(
-        frames=np.concatenate([level.frames for level in levels]),
-        shapes=np.ascontiguousarray(np.concatenate(shapes)),
-        cells=np.concatenate(codes),
-        lists=np.stack([starts, sizes], axis=1),
+        frames=all_frames,
+        shapes=all_shapes,
+        cells=all_cells,
+        lists=np.stack([starts, sizes, first_rows], axis=1),
+        rows=rows,
+        reach=float(np.abs(geometry.positions).max()),
     )
     return tables, slots
+
+
+def _boxes_of_lists(frames: Doubles, shapes: Longs, cells: IntArray) -> FloatArray:
+    """The cells that are lists, (lists, 6), with the slack about them."""
+    numbers = np.flatnonzero((cells >= 0) & (cells & 1 == 0))
+    grid = np.searchsorted(shapes[:, 3], numbers, side="right") - 1
+    frame, shape, rest = frames[grid], shapes[grid], numbers - shapes[grid, 3]
+    place = np.stack([rest % shape[:, 0], rest // shape[:, 0] % shape[:, 1], rest // (shape[:, 0] * shape[:, 1])], 1)
+    lower, slack = frame[:, :3] + place * frame[:, SIZE : SIZE + 3], frame[:, SLACK, None]
+    upper = lower + frame[:, SIZE : SIZE + 3] + slack
+    outward = np.array([-np.inf] * 3 + [np.inf] * 3, np.float32)
+    return np.nextafter(np.concatenate([lower - slack, upper], axis=1).astype(np.float32), outward)
+
+
+def _ordered(
+    geometry: _Geometry, references: IntArray, sizes: IntArray, cells: FloatArray
+) -> tuple[FloatArray, IntArray]:
+    """Put references into the order of their lists' blocks; the rows of the blocks' boxes, and the first row of each
+    list, or −1 for one that has none: of a single block, or of boxes."""
+    own = np.where((sizes > LANES) & (not geometry.boxes), -(-sizes // (LANES * WIDTH)), 0)
+    ends = np.cumsum(own)
+    first_rows = np.where(own > 0, ends - own, -1).astype(np.int32)
+    rows = np.empty(int(ends[-1]) * ROW, np.float32)
+    starts = np.concatenate([np.zeros(1, np.int64), np.cumsum(sizes, dtype=np.int64)])
+    given = geometry.positions, geometry.triangles, references, starts, first_rows, cells
+    geometry.run(order_lists, [(*given, *piece, rows) for piece in _pieces_of_lists(starts)])
+    return rows, first_rows
+
+
+def _pieces_of_lists(starts: Longs) -> list[tuple[int, int]]:
+    """Ranges of lists with enough references to be worth a thread's while."""
+    ends = np.append(np.flatnonzero(np.diff(starts[1:] // _SLAB)) + 1, len(starts) - 1)
+    return list(zip([0, *ends[:-1].tolist()], ends.tolist(), strict=True))
+
+
+def _pieces(shapes: Longs) -> list[tuple[int, int]]:
+    """Ranges of grids with enough cells to be worth a thread's while."""
+    group = np.cumsum(shapes[:, :3].prod(axis=1)) // _SLAB
+    ends = np.append(np.flatnonzero(np.diff(group)) + 1, len(shapes))
+    return list(zip([0, *ends[:-1].tolist()], ends.tolist(), strict=True))
 
 
 GRID_OF_GRIDS = Accelerator("grid", _build, closest_in_grid, any_in_grid, things_in_grid)

@@ -32,7 +32,7 @@ from isophote.kernels.base.simd import (
 )
 from isophote.kernels.forms.triangle import hit_block, shear
 
-__all__ = ["FAR_SLACK", "any_below", "any_triangle", "closest_triangle", "enter_children", "slabs"]
+__all__ = ["FAR_SLACK", "Slabs", "any_below", "any_triangle", "closest_triangle", "enter_children", "slabs"]
 
 _ZERO = np.float32(0)
 # Rounding of a whole distance is a few 2^-24 of it, given room to spare.

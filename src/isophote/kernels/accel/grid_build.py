@@ -5,15 +5,24 @@ from __future__ import annotations
 import numpy as np
 
 from isophote.kernels.accel.clip import CLIP_WORDS, clip_extent, is_box, round_down, round_up
-from isophote.kernels.accel.grid_layout import NEAR, NEAR_ORIGINS, ROUNDING
+from isophote.kernels.accel.grid_layout import NEAR, NEAR_ORIGINS, ROUNDING, SLACK
 from isophote.kernels.accel.overlap import OVERLAP_WORDS, overlaps, prepare_overlap
 from isophote.kernels.base.jit import device, kernel
 
-__all__ = ["NARROWEST", "choose_root", "choose_subgrids", "place_triangles", "slack_for", "triangle_sums"]
+__all__ = [
+    "BOX_COST",
+    "NARROWEST",
+    "TRIANGLE_COST",
+    "choose_root",
+    "choose_subgrids",
+    "place_triangles",
+    "slack_for",
+    "triangle_sums",
+]
 
-# What a ray pays: a step to the next cell 1, a triangle in a cell's list, and entering a grid within a grid. By
-# measurement; docs/design/accelerators.md has the numbers.
-LIST_COST, ENTER_COST = 0.16, 12.0
+# What a ray pays where a step to the next cell costs 1: for a triangle in a cell's list, for a box there, and for
+# entering a grid within a grid. By measurement; docs/design/accelerators.md has the numbers.
+TRIANGLE_COST, BOX_COST, _ENTER_COST = 0.02, 0.16, 12.0
 # Cells, and references to triangles, for each triangle at most.
 _MOST_CELLS, _MOST_REFERENCES = 16.0, 4.0
 _MOST_ON_AXIS = 1 << 12
@@ -35,7 +44,7 @@ def _cells_on(extent, size):
 
 
 @device
-def _cost(count, sums, extents, nx, ny, nz):
+def _cost(count, item_cost, sums, extents, nx, ny, nz):
     """(cost, references) of a grid for a line that meets its box.
 
     A line meets a cell with the probability of their areas, a / A. So it steps through n a / A cells and comes by
@@ -48,24 +57,24 @@ def _cost(count, sums, extents, nx, ny, nz):
     references = count + sums[0] * px + sums[1] * py + sums[2] * pz
     references += sums[3] * py * pz + sums[4] * pz * px + sums[5] * px * py
     share = (hx * hy + hy * hz + hz * hx) / (x * y + y * z + z * x)
-    return share * (np.float64(nx) * ny * nz + LIST_COST * references), references
+    return share * (np.float64(nx) * ny * nz + item_cost * references), references
 
 
 @device
-def _choose_shape(count, sums, extents, shape):
+def _choose_shape(count, item_cost, sums, extents, shape):
     """Write the cells on x, y, z that cost least to `shape`; return what they cost a line that meets the box.
 
-    `sums` (6,): of the triangles' extents along x, y, z and of their areas as seen along x, y, z. `extents` (3,) are
-    the box's, all positive.
+    `item_cost` is what a triangle costs in a list. `sums` (6,): of the triangles' extents along x, y, z and of their
+    areas as seen along x, y, z. `extents` (3,) are the box's, all positive.
     """
     longest = max(extents[0], max(extents[1], extents[2]))
     shape[0] = shape[1] = shape[2] = _ONE
-    least, _ = _cost(count, sums, extents, _ONE, _ONE, _ONE)
+    least, _ = _cost(count, item_cost, sums, extents, _ONE, _ONE, _ONE)
     cells = 2.0
     while cells <= _MOST_ON_AXIS:
         size = longest / cells
         nx, ny, nz = _cells_on(extents[0], size), _cells_on(extents[1], size), _cells_on(extents[2], size)
-        cost, references = _cost(count, sums, extents, nx, ny, nz)
+        cost, references = _cost(count, item_cost, sums, extents, nx, ny, nz)
         if np.float64(nx) * ny * nz > _MOST_CELLS * count + 64 or references > _MOST_REFERENCES * count + 64:
             break
         if cost < least:
@@ -76,9 +85,9 @@ def _choose_shape(count, sums, extents, shape):
 
 
 @kernel
-def choose_root(count, sums, extents, shape):
+def choose_root(count, item_cost, sums, extents, shape):
     """Write the cells on x, y, z of the outermost grid to `shape`; see _choose_shape."""
-    _choose_shape(count, sums, extents, shape)
+    _choose_shape(count, item_cost, sums, extents, shape)
 
 
 @device
@@ -233,12 +242,17 @@ def place_triangles(positions, triangles, references, frames, shapes, jobs, begi
 
 
 @device
-def _sums_in_cell(positions, triangles, references, first, last, box, work, extent, sums):
-    """As triangle_sums, of the parts of triangles that lie in a cell."""
+def _parts_in_cell(positions, triangles, references, first, last, cell, work, extent, sums, box):
+    """As triangle_sums, of the parts of triangles that lie in a cell, six float32; and the `box` around these parts."""
     sums[:] = 0
+    for axis in range(3):
+        box[axis], box[axis + 3] = np.inf, -np.inf
     for k in range(first, last):
-        if not clip_extent(positions, triangles, np.int64(references[k]), box, work, extent):
+        if not clip_extent(positions, triangles, np.int64(references[k]), cell, work, extent):
             continue
+        for axis in range(3):
+            box[axis] = min(box[axis], np.float64(extent[axis]))
+            box[axis + 3] = max(box[axis + 3], np.float64(extent[axis + 3]))
         x = np.float64(extent[3]) - np.float64(extent[0])
         y = np.float64(extent[4]) - np.float64(extent[1])
         z = np.float64(extent[5]) - np.float64(extent[2])
@@ -250,41 +264,71 @@ def _sums_in_cell(positions, triangles, references, first, last, box, work, exte
         sums[3] += covered * y * z
         sums[4] += covered * z * x
         sums[5] += covered * x * y
+    return box[0] <= box[3]
+
+
+@device
+def _cell_box(frames, shapes, grid, cell, box):
+    """The box of a cell, a slack wider than it."""
+    rest, slack = cell - shapes[grid, 3], frames[grid, SLACK]
+    for axis in range(3):
+        low = frames[grid, axis] + rest % shapes[grid, axis] * frames[grid, 3 + axis]
+        rest //= shapes[grid, axis]
+        box[axis], box[axis + 3] = round_down(low - slack), round_up(low + frames[grid, 3 + axis] + slack)
+
+
+@device
+def _reach_in(positions, triangles, references, first, last, box, corners):
+    """How far corners of triangles lie from the middle of a box along an axis."""
+    reach = 0.0
+    x, y, z = 0.5 * (box[0] + box[3]), 0.5 * (box[1] + box[4]), 0.5 * (box[2] + box[5])
+    for k in range(first, last):
+        _load_corners(positions, triangles, np.int64(references[k]), corners)
+        reach = max(reach, _reach_of(corners, x, y, z))
+    return reach
+
+
+@device
+def _surface(x, y, z):
+    return x * y + y * z + z * x
 
 
 @kernel
-def choose_subgrids(positions, triangles, references, starts, frames, shapes, grid, begin, end, chosen, reaches):
+def choose_subgrids(
+    positions, triangles, item_cost, references, starts, frames, shapes, grid, begin, end, chosen, boxes, reaches
+):
     """For the cells begin ≤ c < end of grids in a row, the first in grid number `grid`, write to rows of `chosen`
-    (cells, 3) the cells on x, y, z of the grid that each should be, or 0 where its list is cheaper; and to `reaches`
-    how far corners of its triangles lie from the cell's middle along an axis. Cell c's triangles are
-    starts[c] ≤ r < starts[c + 1]."""
-    corners = np.empty(9, np.float64)
-    work, extent, box = np.empty(CLIP_WORDS, np.float64), np.empty(6, np.float32), np.empty(6, np.float32)
+    (cells, 3) the cells on x, y, z of the grid that each should be, or 0 where its list is cheaper; to `boxes` the box
+    of the parts of triangles in it, and to `reaches` how far corners of its triangles lie from that one's middle along
+    an axis. Cell c's triangles are starts[c] ≤ r < starts[c + 1]."""
+    corners, box = np.empty(9, np.float64), np.empty(6, np.float64)
+    work, extent, around = np.empty(CLIP_WORDS, np.float64), np.empty(6, np.float32), np.empty(6, np.float32)
     sums, extents = np.empty(6, np.float64), np.empty(3, np.float64)
     for cell in range(begin, end):
         while cell >= shapes[grid, 3] + shapes[grid, 0] * shapes[grid, 1] * shapes[grid, 2]:
             grid += 1
         chosen[cell, 0] = chosen[cell, 1] = chosen[cell, 2] = _ZERO
-        count = starts[cell + 1] - starts[cell]
+        first, last = starts[cell], starts[cell + 1]
+        count = last - first
         if count < _FEWEST:
             continue
-        rest = cell - shapes[grid, 3]
+        _cell_box(frames, shapes, grid, cell, around)
+        if not _parts_in_cell(positions, triangles, references, first, last, around, work, extent, sums, box):
+            continue
+        reach = _reach_in(positions, triangles, references, first, last, box, corners)
+        largest = max(box[3] - box[0], max(box[4] - box[1], box[5] - box[2]))
+        smallest = NARROWEST * slack_for(largest, reach)
         for axis in range(3):
-            low = frames[grid, axis] + rest % shapes[grid, axis] * frames[grid, 3 + axis]
-            rest //= shapes[grid, axis]
-            box[axis], box[axis + 3] = round_down(low), round_up(low + frames[grid, 3 + axis])
-            extents[axis] = frames[grid, 3 + axis]
-        _sums_in_cell(positions, triangles, references, starts[cell], starts[cell + 1], box, work, extent, sums)
-        reach = 0.0
-        for k in range(starts[cell], starts[cell + 1]):
-            _load_corners(positions, triangles, np.int64(references[k]), corners)
-            own = _reach_of(corners, box[0] + 0.5 * extents[0], box[1] + 0.5 * extents[1], box[2] + 0.5 * extents[2])
-            reach = max(reach, own)
-        reaches[cell] = reach
-        smallest = NARROWEST * slack_for(max(extents[0], max(extents[1], extents[2])), reach)
-        cost = ENTER_COST + _choose_shape(count, sums, extents, chosen[cell])
+            extents[axis] = max(box[axis + 3] - box[axis], 0.25 * smallest)
+        within = _choose_shape(count, item_cost, sums, extents, chosen[cell])
+        share = _surface(extents[0], extents[1], extents[2]) / _surface(
+            frames[grid, 3], frames[grid, 4], frames[grid, 5]
+        )
         narrow = False
         for axis in range(3):
-            narrow = narrow or extents[axis] < smallest * chosen[cell, axis]
-        if narrow or cost > _WORTH * LIST_COST * count:
+            narrow = narrow or (chosen[cell, axis] > 1 and extents[axis] < smallest * chosen[cell, axis])
+        if narrow or _ENTER_COST + min(share, 1.0) * within > _WORTH * item_cost * count:
             chosen[cell, 0] = _ZERO
+            continue
+        boxes[cell] = box
+        reaches[cell] = reach

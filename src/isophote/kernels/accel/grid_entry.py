@@ -1,8 +1,7 @@
 """Rays through a grid of grids, in grid_layout.py's memory: from cell to cell, and into the grids that cells are.
 
-A triangle stands in the blocks of every cell that it overlaps, and a ray that comes by several of them is tested
-against it in each. To remember what it was tested against ("mailbox", Amanatides and Woo) costs more than the tests,
-of which four are made at once.
+A triangle stands in the blocks of every cell that it overlaps. The boxes of a list's blocks, which are around the parts
+of triangles in that cell, are tested eight at a time before any triangle is.
 """
 
 from __future__ import annotations
@@ -11,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from isophote.kernels.accel.bvh import Slabs, enter_children, slabs
 from isophote.kernels.accel.contract import (
     STACK,
     Nearest,
@@ -22,24 +22,30 @@ from isophote.kernels.accel.contract import (
     ray_origin,
 )
 from isophote.kernels.accel.grid_far import FarWalk, begin_far, is_far, next_far, resume_far
-from isophote.kernels.accel.grid_layout import GRID, MOST_LEVELS, SIZE
-from isophote.kernels.accel.grid_walk import Walk, Way, course_of, enter, place_in, step, walk_from
+from isophote.kernels.accel.grid_layout import GRID, MOST_LEVELS, ROW
+from isophote.kernels.accel.grid_walk import Walk, Way, course_of, enter, hop, place_in, step, way_of
+from isophote.kernels.accel.layout import LANES, WIDTH
 from isophote.kernels.accel.things import closest_in_leaf, tested_in_leaf, things_of
-from isophote.kernels.base.entry import entry, floats_at, opener_at
-from isophote.kernels.base.jit import device
-from isophote.kernels.base.simd import load_float, load_int, store_float, store_int
-from isophote.kernels.forms.triangle import shear
+from isophote.kernels.base.doubles import doubles_at
+from isophote.kernels.base.entry import element_address, entry, floats_at, opener_at
+from isophote.kernels.base.jit import device, exact_inline
+from isophote.kernels.base.simd import load_float, load_int, lowest_bit, store_float, store_int
+from isophote.kernels.forms.triangle import Shear, shear
 
 __all__ = ["any_in_grid", "closest_in_grid", "things_in_grid"]
 
 open_grid = opener_at(GRID)
 
-# Scratch: the cells that the ray is in of the grids around, four words each; then the walk of a far ray.
-_PARENT = np.int64(4)
-_FAR = np.int64(STACK + 4 * (MOST_LEVELS + 1))
+# Scratch: where the ray is in the grids around: grid, cell, three distances to planes and where it leaves as doubles;
+# then the walk of a far ray.
+_PARENT, _PLACES = np.int64(10), np.int64(4)
+_FAR = np.int64(STACK + 10 * (MOST_LEVELS + 1))
 _FAR_WIDE = _FAR + np.int64(9)
 _ROUND_UP = 1.0 + 2.0**-22
-_ROOT, _ONE = np.int64(0), np.int64(1)
+_ROOT, _ONE, _SEVEN = np.int64(0), np.int64(1), np.int64(7)
+_LANES, _WIDTH, _ROW = np.int64(LANES), np.int64(WIDTH), np.int64(ROW)
+# A hop costs as much as two or three steps.
+_WORTH_A_HOP = np.int64(2)
 _MOST_BLOCK_WORDS = np.int64(1) << np.int64(40)
 
 
@@ -90,7 +96,7 @@ def _kept_far(words):
 @device
 def _enter(frames, shapes, grid, level, course, limit, words):
     """At the first cell of a grid."""
-    walk, way, inside = enter(frames, shapes, grid, course, limit)
+    walk, leave, inside = enter(frames, shapes, grid, course, limit)
     cell, far = walk.cell if inside else -_ONE, is_far(frames, shapes, grid, course)
     if far:
         far_walk = begin_far(frames, shapes, grid, course, limit)
@@ -98,43 +104,53 @@ def _enter(frames, shapes, grid, level, course, limit, words):
         # A walk that ends before it begins must not take the place of the one that it would leave.
         if cell >= 0:
             _keep_far(words, far_walk)
-    return _State(grid, level, cell, far, walk, way)
+    return _State(grid, level, cell, far, walk, way_of(frames, shapes, grid, course, leave))
 
 
 @device
-def _push(words, shapes, grid, level, cell):
-    x, y, z = place_in(shapes, grid, cell)
-    at = STACK + _PARENT * level
-    store_int(words, at, np.int32(grid))
-    store_int(words, at + 1, np.int32(x))
-    store_int(words, at + 2, np.int32(y))
-    store_int(words, at + 3, np.int32(z))
+def _push(words, state, walk):
+    """Keep where the ray is in a grid, to come back."""
+    at = STACK + _PARENT * state.level
+    store_int(words, at, np.int32(state.grid))
+    store_int(words, at + 1, np.int32(walk.cell))
+    places = doubles_at(element_address(words, at + 2), _PLACES)
+    places[0], places[1], places[2] = walk.next_x, walk.next_y, walk.next_z
+    places[3] = state.way.leave
 
 
 @device
 def _pop(words, level, frames, shapes, course):
     """In the grid around, at the cell whose grid the ray has left."""
     at = STACK + _PARENT * level
-    grid = np.int64(load_int(words, at))
-    x, y, z = np.int64(load_int(words, at + 1)), np.int64(load_int(words, at + 2)), np.int64(load_int(words, at + 3))
-    _, way, _ = enter(frames, shapes, grid, course, np.inf)
-    walk, far = walk_from(frames, shapes, grid, course, x, y, z), is_far(frames, shapes, grid, course)
+    grid, cell = np.int64(load_int(words, at)), np.int64(load_int(words, at + 1))
+    places = doubles_at(element_address(words, at + 2), _PLACES)
+    walk, far = Walk(cell, places[0], places[1], places[2]), is_far(frames, shapes, grid, course)
     if far:
+        x, y, z = place_in(shapes, grid, cell)
         _keep_far(words, resume_far(frames, shapes, grid, course, x, y, z))
-    return _State(grid, level, walk.cell, far, walk, way)
+    return _State(grid, level, cell, far, walk, way_of(frames, shapes, grid, course, places[3]))
 
 
 @device
-def _to_next(cells, walk, way, limit):
-    """(walk, steps, found): the next cell of a grid that is not empty, unless the ray leaves the grid or comes to
-    `limit` before."""
+def _to_next(cells, walk, way, shift, empty, limit):
+    """(walk, steps, code): the next cell of a grid that is not empty, and what it holds; code −1 where the ray leaves
+    the grid or comes to `limit` before. `empty` says how many cells are empty beyond this one."""
     steps, end = np.int64(0), min(way.leave, limit)
-    while min(walk.next_x, min(walk.next_y, walk.next_z)) < end:
-        walk = step(walk, way)
+    while True:
+        if empty >= _WORTH_A_HOP:
+            t, hopped = hop(walk, way, empty)
+            if not t < end:
+                return walk, steps, -_ONE
+            walk = hopped
+        else:
+            if not min(walk.next_x, min(walk.next_y, walk.next_z)) < end:
+                return walk, steps, -_ONE
+            walk = step(walk, way)
         steps += 1
-        if cells[walk.cell] != 0:
-            return walk, steps, True
-    return walk, steps, False
+        code = np.int64(cells[walk.cell])
+        if code >= 0:
+            return walk, steps, code
+        empty = (code >> shift) & _SEVEN
 
 
 class _Test(NamedTuple):
@@ -144,12 +160,42 @@ class _Test(NamedTuple):
     tested: int
 
 
-@device
-def _test_list(grid, code, blocks, sheared, things, words, test):
+@exact_inline
+def _test_rows(grid, first, row, count, blocks, ready, things, any_will_do, words, test):
+    """Test the ray against the triangles of a list by blocks whose boxes it enters."""
+    nearest, tested = test.nearest, test.tested
+    for low in range(_ROOT, count, _LANES * _WIDTH):
+        entered, _ = enter_children(grid.rows, row * _ROW, ready.box, nearest.t)
+        while entered != 0:
+            k = np.int64(lowest_bit(entered))
+            entered &= entered - np.int32(1)
+            own = min(count - low - _LANES * k, _LANES)
+            nearest = closest_in_leaf(blocks, first + k, own, ready.sheared, things, nearest, words)
+            tested += own
+            if any_will_do and nearest.slot >= 0:
+                return _Test(nearest, tested)
+        first += _WIDTH
+        row += _ONE
+    return _Test(nearest, tested)
+
+
+@exact_inline
+def _test_list(grid, number, blocks, ready, things, any_will_do, words, test):
     """Test the ray against what is in a list, four at a time."""
-    first, count = np.int64(grid.lists[code, 0]), np.int64(grid.lists[code, 1])
-    nearest = closest_in_leaf(blocks, first, count, sheared, things, test.nearest, words)
+    first, count = np.int64(grid.lists[number, 0]), np.int64(grid.lists[number, 1])
+    if things is None:
+        row = np.int64(grid.lists[number, 2])
+        if row >= 0:
+            return _test_rows(grid, first, row, count, blocks, ready, things, any_will_do, words, test)
+    nearest = closest_in_leaf(blocks, first, count, ready.sheared, things, test.nearest, words)
     return _Test(nearest, test.tested + tested_in_leaf(count, things))
+
+
+class _Ready(NamedTuple):
+    """The ray made ready for triangles, and for boxes of eight blocks."""
+
+    sheared: Shear
+    box: Slabs
 
 
 @device
@@ -165,9 +211,9 @@ def _onward(grid, words, course, state, limit):
             if far_walk.cell >= 0:
                 return _State(state.grid, state.level, far_walk.cell, True, state.walk, state.way), visited
         elif not left:
-            walk, steps, found = _to_next(cells, state.walk, state.way, limit)
+            walk, steps, code = _to_next(cells, state.walk, state.way, course.shift, _ROOT, limit)
             visited += steps
-            if found:
+            if code >= 0:
                 return _State(state.grid, state.level, walk.cell, False, walk, state.way), visited
         if state.level == 0:
             return _State(state.grid, state.level, -_ONE, False, state.walk, state.way), visited
@@ -178,7 +224,7 @@ def _onward(grid, words, course, state, limit):
 def _trace(grid, blocks, words, things, any_will_do):
     """The nearest triangle, or thing, or the first that is met where any will do."""
     origin, direction = ray_origin(words), ray_direction(words)
-    sheared, course = shear(origin, direction), course_of(origin, direction)
+    ready, course = _Ready(shear(origin, direction), slabs(origin, direction, grid.reach)), course_of(origin, direction)
     cells, frames, shapes = grid.cells, grid.frames, grid.shapes
     test = _Test(nearest_of(words), np.int64(0))
     visited, deepest = np.int64(0), np.int64(0)
@@ -186,15 +232,17 @@ def _trace(grid, blocks, words, things, any_will_do):
     walk, way, cell = state.walk, state.way, state.cell
     visited += cell >= 0
     while cell >= 0:
-        code = np.int64(cells[cell])
-        if code > 0:
-            test = _test_list(grid, code, blocks, sheared, things, words, test)
+        code, empty = np.int64(cells[cell]), np.int64(0)
+        if code < 0:
+            empty = (code >> course.shift) & _SEVEN
+        elif code & 1 == 0:
+            test = _test_list(grid, code >> 1, blocks, ready, things, any_will_do, words, test)
             if any_will_do and test.nearest.slot >= 0:
                 break
-        elif code < 0:
-            inner = _enter(frames, shapes, -code, state.level + 1, course, np.float64(test.nearest.t), words)
+        else:
+            inner = _enter(frames, shapes, code >> 1, state.level + 1, course, np.float64(test.nearest.t), words)
             if inner.cell >= 0:
-                _push(words, shapes, state.grid, state.level, cell)
+                _push(words, state, Walk(cell, walk.next_x, walk.next_y, walk.next_z))
                 state = inner
                 walk, way, cell = state.walk, state.way, state.cell
                 deepest = max(deepest, state.level)
@@ -202,10 +250,10 @@ def _trace(grid, blocks, words, things, any_will_do):
                 continue
         # What happens in nearly every cell stays in a few registers.
         if not state.far:
-            walk, steps, found = _to_next(cells, walk, way, np.float64(test.nearest.t))
+            walk, steps, code = _to_next(cells, walk, way, course.shift, empty, np.float64(test.nearest.t))
             cell = walk.cell
             visited += steps
-            if found:
+            if code >= 0:
                 continue
         state, steps = _onward(grid, words, course, state, np.float64(test.nearest.t))
         walk, way, cell = state.walk, state.way, state.cell
@@ -226,18 +274,8 @@ def any_in_grid(tables, blocks, ray):
     return np.int64(_trace(grid, floats_at(blocks, _MOST_BLOCK_WORDS), words, None, True).slot >= 0)
 
 
-@device
-def _reach(frames, shapes):
-    """The largest size of a coordinate in the outermost grid."""
-    reach = 0.0
-    for axis in range(3):
-        low = frames[_ROOT, axis]
-        reach = max(reach, max(abs(low), abs(low + shapes[_ROOT, axis] * frames[_ROOT, SIZE + axis])))
-    return np.float32(reach)
-
-
 @entry
 def things_in_grid(tables, blocks, ray, test, subject, any_will_do):
     grid, words = open_grid(tables), ray_at(ray)
-    things = things_of(ray, words, _reach(grid.frames, grid.shapes), test, subject, any_will_do)
+    things = things_of(ray, words, grid.reach, test, subject, any_will_do)
     return answer(words, _trace(grid, floats_at(blocks, _MOST_BLOCK_WORDS), words, things, any_will_do != 0))
