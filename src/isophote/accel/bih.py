@@ -35,11 +35,13 @@ _COLLAPSE = 1, 1, np.float32(0), np.float32(8)
 def _build(positions: FloatArray, triangles: IntArray, threads: int | None) -> Built:
     count = len(triangles)
     points, corners = positions.reshape(-1), triangles.reshape(-1)
+    last_point = np.zeros(4, np.float32)
+    last_point[:3] = points[-3:]
     if count == 0:
         parts, upper, words = no_parts(), _node_without_children(), np.empty(0, np.int64)
     else:
         with crew(threads, count) as run:
-            parts = sort_into_parts(points, corners, run)
+            parts = sort_into_parts(points, corners, last_point, run)
         upper, words = _upper_part(parts.boxes)
     whole = parts.boxes.min(axis=0, initial=np.inf)
     bounds = np.stack([whole[0:3], -whole[4:7]])
@@ -57,6 +59,7 @@ def _build(positions: FloatArray, triangles: IntArray, threads: int | None) -> B
         order=parts.order,
         positions=points,
         corners=corners,
+        last_point=last_point,
         reach=reach,
         finish=finish_part.address,
     )

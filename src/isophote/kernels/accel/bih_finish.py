@@ -24,16 +24,30 @@ from isophote.kernels.accel.bih_layout import (
 from isophote.kernels.accel.build import RECORD, build_subtree, centre, write_node
 from isophote.kernels.accel.build_wide import collapse_costs, lay_out
 from isophote.kernels.accel.layout import BLOCK, CHILD, LANES, LOWER, NODE, NUMBER, UPPER, WIDTH
+from isophote.kernels.accel.triangle_box import AHEAD, Triangles, box_of, expect_triangle
 from isophote.kernels.base.atomic import claim, load_acquire, store_release
 from isophote.kernels.base.entry import call_entry, entry, opener_at
 from isophote.kernels.base.jit import device, kernel
-from isophote.kernels.base.simd import load8, load_float, load_int, minimum, splat8, store8, store_float, store_int
+from isophote.kernels.base.simd import (
+    load8,
+    load_float,
+    load_int,
+    minimum,
+    splat4,
+    splat8,
+    store4,
+    store8,
+    store_float,
+    store_int,
+)
 
 __all__ = ["finish_all", "finish_part"]
 
 open_bih = opener_at(BIH)
 
 _INFINITY, _MISSING, _NOBODY = np.float32(np.inf), np.float32(np.nan), np.int32(-1)
+_ZERO_FLOAT = np.float32(0)
+_AHEAD = np.int64(AHEAD)
 _UNTOUCHED, _BUSY, _FINISHED = np.int32(UNTOUCHED), np.int32(BUSY), np.int32(FINISHED)
 _BLOCKS, _ONE, _ZERO = np.int64(7), np.int64(1), np.int64(0)
 # As TRIANGLES in accel/tree.py: items a block, which are those of a binary leaf; of a leaf at most; and costs.
@@ -59,17 +73,14 @@ class _Tree(NamedTuple):
 def _write_records(tree, begin, end, records, found):
     """Records of the part's triangles, and the bounds of all, into `found`: of boxes, then of centres."""
     box = centres = splat8(_INFINITY)
-    for i in range(end - begin):
-        triangle = tree.order[begin + i]
-        at = i * RECORD
-        a = 3 * np.int64(tree.corners[3 * np.int64(triangle)])
-        b = 3 * np.int64(tree.corners[3 * np.int64(triangle) + 1])
-        c = 3 * np.int64(tree.corners[3 * np.int64(triangle) + 2])
-        for k in range(3):
-            x, y, z = tree.positions[a + k], tree.positions[b + k], tree.positions[c + k]
-            store_float(records, at + k, min(x, min(y, z)))
-            store_float(records, at + 4 + k, -max(x, max(y, z)))
-        store_int(records, at + 3, triangle)
+    triangles, order = Triangles(tree.positions, tree.corners, tree.last_point), tree.order
+    for i in range(begin, end):
+        expect_triangle(triangles, np.int64(order[min(i + _AHEAD, end - 1)]))
+        low, high = box_of(triangles, np.int64(order[i]))
+        at = (i - begin) * RECORD
+        store4(records, at, low)
+        store4(records, at + 4, splat4(_ZERO_FLOAT) - high)
+        store_int(records, at + 3, order[i])
         store_int(records, at + 7, np.int32(0))
         record = load8(records, at)
         box = minimum(record, box)

@@ -30,8 +30,8 @@ UNTOUCHED, BUSY, FINISHED = 0, 1, 2
 NODE_SHARE, BLOCK_SHARE = 8, 2
 
 # `nodes`, `blocks`: as in layout.py; `first_node`: the first that is not above the parts. `parts` (k, 3), `states`
-# (k,): as above. `order`: numbers of triangles, which `positions` and `corners` have. `reach`: the largest coordinate's
-# size. `finish`: address of the entry that finishes parts.
+# (k,): as above. `order`: numbers of triangles, which are those of `positions`, `corners` and `last_point`
+# (triangle_box.py). `reach`: the largest coordinate's size. `finish`: address of the entry that finishes parts.
 BIH = Table(
     "Bih",
     nodes=FLOATS,
@@ -42,6 +42,7 @@ BIH = Table(
     order=INTS,
     positions=FLOATS,
     corners=INTS,
+    last_point=FLOATS,
     reach=FLOAT,
     finish=INT,
 )

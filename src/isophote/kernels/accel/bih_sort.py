@@ -5,12 +5,36 @@ from __future__ import annotations
 import numpy as np
 
 from isophote.kernels.accel.build import RECORD
-from isophote.kernels.base.jit import device, kernel
-from isophote.kernels.base.simd import load8, minimum, splat8, store8, store_float
+from isophote.kernels.accel.triangle_box import AHEAD, Triangles, box_of, expect_triangle
+from isophote.kernels.base.jit import kernel
+from isophote.kernels.base.simd import lane, load4, load_float, maximum, minimum, splat4, splat8, store4, store8
+from isophote.kernels.base.table import FLOATS, INTS, LONG_ROWS, Table
 
-__all__ = ["cells_of", "extent_of", "order_by_cell"]
+__all__ = ["SORT", "cells_of", "extent_of", "order_by_cell"]
 
-_INFINITY = np.float32(np.inf)
+_INFINITY, _ZERO = np.float32(np.inf), np.float32(0)
+_AHEAD = np.int64(AHEAD)
+_X, _Y, _Z = np.int32(0), np.int32(1), np.int32(2)
+
+# `positions`, `corners`, `last_point`: Triangles (triangle_box.py). `numbers`: of those that are sorted; empty for all.
+# `frame` (12,): the grid, in twice the centres: its first corner, cells to a unit of length, the last cell's number, each
+# for three axes and once more for nothing. `cells`: of each triangle. Each job sorts a range of the triangles, and
+# has a row of `counts`, how many are in each cell, of `boxes`, records (build.py) of what they bound, in whose words 3
+# and 7 anything is left, and of `places`, where in `order` the next one of a cell goes.
+SORT = Table(
+    "Sort",
+    positions=FLOATS,
+    corners=INTS,
+    last_point=FLOATS,
+    numbers=INTS,
+    frame=FLOATS,
+    cells=INTS,
+    counts=LONG_ROWS,
+    boxes=FLOATS,
+    places=LONG_ROWS,
+    order=INTS,
+)
+open_sort = SORT.open
 
 
 @kernel
@@ -24,46 +48,42 @@ def extent_of(positions, begin, end, found):
     found[0], found[1], found[2], found[3], found[4], found[5] = x0, y0, z0, x1, y1, z1
 
 
-@device
-def _cell(low, high, origin, scale, cells):
-    """The cell between `low` and `high` on an axis; `origin` is twice that of the grid."""
-    return min(max(np.int64((np.float64(low) + np.float64(high) - origin) * scale), np.int64(0)), cells - 1)
-
-
 @kernel
-def cells_of(positions, corners, numbers, frame, shape, begin, end, cells, counts, boxes):
-    """Cells, into `cells`, of the triangles in places `begin` to `end` of `numbers`, or of those of these numbers where
-    it is empty, by the centres of their boxes.
-
-    The grid has `shape` (3,) int64 cells from frame[:3] on, frame[3] to a unit of length, in twice the centres.
-    `counts` takes how many triangles are in each cell, `boxes` records (build.py) of their boxes.
-    """
-    counts[:] = 0
-    for k in range(len(counts)):
-        store8(boxes, k * RECORD, splat8(_INFINITY))
-    found = np.empty(RECORD, np.float32)
-    found[3] = found[7] = 0
-    scale = frame[3]
+def cells_of(words, job, begin, end):
+    """Find the cells of triangles `begin` to `end`, by the centres of their boxes."""
+    sort = open_sort(words)
+    counts, boxes = sort.counts[job], sort.boxes
+    first = job * counts.rows
+    for k in range(counts.rows):
+        counts[k] = 0
+        store8(boxes, (first + k) * RECORD, splat8(_INFINITY))
+    origin, scale, last = load4(sort.frame, 0), load4(sort.frame, 4), load4(sort.frame, 8)
+    along_y, along_z = np.int64(load_float(sort.frame, 9)) + 1, np.int64(load_float(sort.frame, 10)) + 1
+    # Views are taken out of the table once: what is written might, for all the compiler knows, change it.
+    triangles, numbers, cells = Triangles(sort.positions, sort.corners, sort.last_point), sort.numbers, sort.cells
+    some = numbers.rows > 0
     for i in range(begin, end):
-        triangle = np.int64(numbers[i]) if len(numbers) > 0 else np.int64(i)
-        a, b, c = 3 * corners[3 * triangle], 3 * corners[3 * triangle + 1], 3 * corners[3 * triangle + 2]
-        cell = np.int64(0)
-        for k in range(3):
-            x, y, z = positions[a + k], positions[b + k], positions[c + k]
-            low, high = min(x, min(y, z)), max(x, max(y, z))
-            store_float(found, k, low)
-            store_float(found, 4 + k, -high)
-            cell = cell * shape[k] + _cell(low, high, frame[k], scale, shape[k])
-        cells[i] = cell
+        ahead = min(i + _AHEAD, end - 1)
+        expect_triangle(triangles, np.int64(numbers[ahead]) if some else np.int64(ahead))
+        low, high = box_of(triangles, np.int64(numbers[i]) if some else np.int64(i))
+        # The order of the operands turns a NaN, from an infinite extent, into the last cell.
+        place = maximum(minimum((low + high - origin) * scale, last), splat4(_ZERO))
+        x, y, z = np.int64(lane(place, _X)), np.int64(lane(place, _Y)), np.int64(lane(place, _Z))
+        cell = (x * along_y + y) * along_z + z
+        cells[i] = np.int32(cell)
         counts[cell] += 1
-        store8(boxes, cell * RECORD, minimum(load8(found, 0), load8(boxes, cell * RECORD)))
+        row = (first + cell) * RECORD
+        store4(boxes, row, minimum(low, load4(boxes, row)))
+        store4(boxes, row + 4, minimum(splat4(_ZERO) - high, load4(boxes, row + 4)))
 
 
 @kernel
-def order_by_cell(cells, numbers, begin, end, places, order):
-    """Put the triangles in places `begin` to `end` where those of their cells go: `places` has the next one's place for
-    each cell, and moves on."""
+def order_by_cell(words, job, begin, end):
+    """Put triangles `begin` to `end` where those of their cells go."""
+    sort = open_sort(words)
+    places, numbers, cells, order = sort.places[job], sort.numbers, sort.cells, sort.order
+    some = numbers.rows > 0
     for i in range(begin, end):
-        cell = cells[i]
-        order[places[cell]] = numbers[i] if len(numbers) > 0 else np.int32(i)
+        cell = np.int64(cells[i])
+        order[places[cell]] = numbers[i] if some else np.int32(i)
         places[cell] += 1
