@@ -17,8 +17,8 @@ _AHEAD = np.int64(AHEAD)
 _X, _Y, _Z = np.int32(0), np.int32(1), np.int32(2)
 
 # `positions`, `corners`, `last_point`: Triangles (triangle_box.py). `numbers`: of those that are sorted; empty for all.
-# `frame` (12,): the grid, in twice the centres: its first corner, cells to a unit of length, the last cell's number, each
-# for three axes and once more for nothing. `cells`: of each triangle. Each job sorts a range of the triangles, and
+# `frame` (12,): the grid, in twice the centres: its first corner, cells to a unit of length, the last cell's number,
+# each for three axes and once more for nothing. `cells`: of each triangle. Each job sorts a range of the triangles, and
 # has a row of `counts`, how many are in each cell, of `boxes`, records (build.py) of what they bound, in whose words 3
 # and 7 anything is left, and of `places`, where in `order` the next one of a cell goes.
 SORT = Table(
