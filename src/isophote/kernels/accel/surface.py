@@ -16,6 +16,7 @@ from isophote.kernels.base.vec import cross, dot, maximum_component, normalise, 
 __all__ = [
     "SURFACES",
     "Surface",
+    "blend_corners",
     "face_number",
     "item_of",
     "normal_to_world",
@@ -32,10 +33,10 @@ ITEM_COLUMNS = 9
 
 _ZERO, _ONE = np.float32(0), np.float32(1)
 # Rounding of a hit's place in units of 2^-24 times the largest coordinate of its triangle, with room to spare.
-_PLACE_ERROR = np.float32(32 * 2.0**-24)
+PLACE_ERROR = np.float32(32 * 2.0**-24)
 # How many of its errors a place is pulled in from the rim of its triangle, and the most in parts of the triangle.
-_PULL, _MOST_PULL = np.float32(4), np.float32(1 / 16)
-_THIRD = np.float32(1 / 3)
+PULL, MOST_PULL = np.float32(4), np.float32(1 / 16)
+THIRD = np.float32(1 / 3)
 
 
 # What belongs to triangles apart from their corners.
@@ -109,7 +110,8 @@ def face_number(surfaces, item, triangle):
 
 
 @device
-def _blend(rows, corners, at, w0, w1, w2):
+def blend_corners(rows, corners, at, w0, w1, w2):
+    """What rows hold for the three corners of triangle `at`, weighed."""
     a, b, c = corners[at, 0], corners[at, 1], corners[at, 2]
     return vec3(
         rows[a, 0] * w0 + rows[b, 0] * w1 + rows[c, 0] * w2,
@@ -132,7 +134,7 @@ def normal_to_world(geometry, instance, n):
 @device
 def _shading_normal(geometry, surfaces, instance, at, w0, w1, w2, normal):
     """The interpolated normal on the side of the geometric one, or that one where there is nothing to interpolate."""
-    blended = _blend(surfaces.normals, surfaces.normal_corners, at, w0, w1, w2)
+    blended = blend_corners(surfaces.normals, surfaces.normal_corners, at, w0, w1, w2)
     if geometry.identity[instance] == 0:
         blended = normal_to_world(geometry, instance, blended)
     size2 = dot(blended, blended)
@@ -179,7 +181,7 @@ def surface_at(geometry, surfaces, hit):
     w0 = _ONE - w1 - w2
     edge1, edge2 = b - a, c - a
     if geometry.identity[instance] != 0:
-        error = max(_reach(a), max(_reach(b), _reach(c))) * _PLACE_ERROR
+        error = max(_reach(a), max(_reach(b), _reach(c))) * PLACE_ERROR
         place = _pulled_in(a, b, c, w0, w1, w2, error / max(_reach(edge1), _reach(edge2)))
     else:
         error = surfaces.slack[instance]
@@ -212,8 +214,8 @@ def surface_at(geometry, surfaces, hit):
 def _pulled_in(a, b, c, w0, w1, w2, error):
     """The place with these weights, moved toward the triangle's middle by a few times its error (here in parts of the
     triangle): at an edge, rounding could put it behind the next triangle."""
-    pull = min(error * _PULL, _MOST_PULL)
-    w0, w1, w2 = w0 + (_THIRD - w0) * pull, w1 + (_THIRD - w1) * pull, w2 + (_THIRD - w2) * pull
+    pull = min(error * PULL, MOST_PULL)
+    w0, w1, w2 = w0 + (THIRD - w0) * pull, w1 + (THIRD - w1) * pull, w2 + (THIRD - w2) * pull
     return w0 * a + w1 * b + w2 * c
 
 

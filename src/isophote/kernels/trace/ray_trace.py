@@ -30,6 +30,7 @@ from isophote.kernels.trace.holes import has_holes, stop_at_any, surface_opacity
 from isophote.kernels.trace.material import branch_material, sample_material
 from isophote.kernels.trace.ray_lights import light_surfaces, prepare_surface, remember_surface
 from isophote.kernels.trace.ray_log import LOG, log_camera, log_hit, log_terms
+from isophote.kernels.trace.ray_matte import face_matte, has_ambient, note_matte
 from isophote.kernels.trace.ray_tree import TREE, branch, gather, next_level, start_trees, sum_levels, take
 from isophote.kernels.trace.samples import Tile, are_neighbours, develop, draw, start_paths
 from isophote.kernels.trace.shading import surface_colour, surface_emission
@@ -198,14 +199,20 @@ def _meet_surface(tables, plan, tree, wave, log, level, i, lit):
 @device
 def _shade(tables, plan, tree, wave, log, level, count):
     """What every ray gathers, lights apart. Returns how many surfaces lights shine on."""
-    draw(plan, wave, count, _PICK, rows.PICK_U)
-    draw(plan, wave, count, _SCATTER, rows.SCATTER_U)
+    if has_ambient(tables):
+        draw(plan, wave, count, _PICK, rows.PICK_U)
+        draw(plan, wave, count, _SCATTER, rows.SCATTER_U)
+    told = log.rays.rows > 0 or tree.tint != 0 or has_holes(tables)
     lit = np.int64(0)
     for i in range(count):
         if is_surface(wave.longs[rows.HIT_SLOT, i]):
+            if not told and note_matte(tables, tree, wave, lit, i):
+                lit += 1
+                continue
             lit += _meet_surface(tables, plan, tree, wave, log, level, i, lit)
         else:
             _meet_light(tables, tree, wave, log, i)
+    face_matte(tree, lit)
     return lit
 
 

@@ -56,9 +56,10 @@ TAKEN, END = np.int64(0), np.int64(1)
 
 # Rows of `surfaces`, surfaces that lights shine on: what surface_of said, what the ray carries there, and its wave
 # column as a word; plain ones (ray_lights.py) have 1 in PLAIN, their normals on the ray's side, and what they scatter
-# of light from above in SHARE …
-PLACE, NORMAL, SHADING, SHARE, ERROR, U, V, PLAIN, COLUMN, SURFACE_FLOATS = (
-    np.int64(row) for row in (0, 3, 6, 9, 12, 13, 14, 15, 16, 17)
+# of light from above in SHARE; FROM and BLENDED, the ray's direction and the normal between corners, only until normals
+# are worked out (ray_matte.py) …
+PLACE, NORMAL, SHADING, SHARE, ERROR, U, V, PLAIN, COLUMN, FROM, BLENDED, SURFACE_FLOATS = (
+    np.int64(row) for row in (0, 3, 6, 9, 12, 13, 14, 15, 16, 17, 20, 23)
 )
 # … and of `surface_numbers`, which plain ones have none of: the media before and behind the surface, and all those that
 # a ray is in which went through.
