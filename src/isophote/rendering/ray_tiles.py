@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import Protocol, TypeAlias
 
@@ -29,8 +28,8 @@ __all__ = ["RaySettings", "RayTiles", "new_log"]
 
 Counts: TypeAlias = npt.NDArray[np.int64]
 
-# Rays that are traced together, made whole sixteens; not a power of two (path_trace.py).
-_WAVE, _LANES = 1040, 16
+# Rays that are traced together; not a power of two (path_trace.py).
+_WAVE = 1040
 # Light samples of a surface at most, over all lights: their numbers are kept for several surfaces at once.
 _MOST_JOBS = 2**20
 # Where so many shadow rays leave each surface, smaller tiles: progress is told, and Ctrl-C obeyed, after seconds.
@@ -87,10 +86,9 @@ class RayTiles:
         self._log = new_log(0, 0) if log is None else log
         words = scratch_words(moments[0].scene.arrays["fields"])
         jobs, flat = _light_jobs(moments[0].scene, settings.light_samples), self.rays.reshape(-1)
-        size = math.ceil(_WAVE / _LANES) * _LANES
-        self._waves = [new_wave(size, words) for _ in range(threads)]
+        self._waves = [new_wave(_WAVE, words) for _ in range(threads)]
         tint = shadow_tint.address if settings.shadows == "tinted" else 0
-        self._trees = [new_tree(size, settings.depth, jobs, settings.min_weight, tint, flat) for _ in range(threads)]
+        self._trees = [new_tree(_WAVE, settings.depth, jobs, settings.min_weight, tint, flat) for _ in range(threads)]
 
         #: Pixels of a tile each way.
         self.edge = _EDGE if len(jobs) < _MANY_JOBS else _EDGE_OF_MANY

@@ -213,7 +213,7 @@ def _evaluate(tables, tree, wave, log, s, k, begin, end, at):
     direction, inside = row_vec3(floats, rows.DIRECTION, i), wave.longs[rows.INSIDE, i]
     _prepare(tables, tree, wave, surface, s)
     for job in range(begin, end):
-        c = at + (job - begin) * ray_tree.LIT_TOGETHER + k
+        c = at + (job - begin) * rows.LANES + k
         factor = floats[_FACTOR, c]
         if factor == _ZERO:
             continue
@@ -278,16 +278,16 @@ def _aim(tables, tree, wave, log, first, h, count, begin, end, made):
     lights, in wave columns from `made` on. Returns the column after the last."""
     at, surfaces = made, tree.surfaces
     for job in range(begin, end):
-        c = at + (job - begin) * ray_tree.LIT_TOGETHER
+        c = at + (job - begin) * rows.LANES
         _sample(tables, tree, wave, log, job, 2 * (job - begin), first, h, count, c)
     for k in range(count):
         if surfaces[ray_tree.PLAIN, first + h + k] == _ZERO:
             _evaluate(tables, tree, wave, log, first + h + k, k, begin, end, at)
     for job in range(begin, end):
-        c = at + (job - begin) * ray_tree.LIT_TOGETHER
+        c = at + (job - begin) * rows.LANES
         left = _aim_lanes(tree, wave, first + h, count, c)
         if left == _ALL and c == made:
-            made += ray_tree.LIT_TOGETHER
+            made += rows.LANES
             continue
         while left != 0:
             _move(tree, wave, c + np.int64(lowest_bit(left)), made)
@@ -341,8 +341,8 @@ def light_surfaces(tables, plan, tree, wave, log, count, coherent):
             end = min(begin + part, jobs)
             _draw_jobs(plan, tree, wave, first, here, begin, end)
             made = np.int64(0)
-            for h in range(0, here, ray_tree.LIT_TOGETHER):
-                count_here = min(here - h, np.int64(ray_tree.LIT_TOGETHER))
+            for h in range(0, here, rows.LANES):
+                count_here = min(here - h, np.int64(rows.LANES))
                 made = _aim(tables, tree, wave, log, first, h, count_here, begin, end, made)
             find_blocked(tables, wave, made, coherent)
             _collect(tables, tree, wave, log, made)

@@ -132,7 +132,7 @@ def note_matte(tables, tree, wave, at, i):
 def face_matte(tree, count):
     """Work out places and normals of the hits on triangles that are noted among surfaces 0 … count − 1."""
     floats = tree.surfaces
-    for at in range(0, count, ray_tree.LIT_TOGETHER):
+    for at in range(0, count, rows.LANES):
         a, b, c = (
             load_wide(floats, ray_tree.PLACE, at),
             load_wide(floats, ray_tree.NORMAL, at),

@@ -29,7 +29,7 @@ from isophote.kernels.base.vec import maximum_component, vec3
 from isophote.kernels.trace import wave as rows
 from isophote.kernels.trace.ray_log import ENDED_BY_DEPTH, ENDED_BY_WEIGHT, log_branch
 from isophote.kernels.trace.shadow_tint import RAY_WORDS
-from isophote.kernels.trace.wave import row_vec3, set_row_vec3
+from isophote.kernels.trace.wave import LANES, row_vec3, set_row_vec3
 
 __all__ = [
     "TREE",
@@ -66,8 +66,6 @@ PLACE, NORMAL, SHADING, SHARE, ERROR, U, V, PLAIN, COLUMN, FROM, BLENDED, SURFAC
 ITEM, TRIANGLE, BEFORE, BEHIND, THROUGH, SURFACE_NUMBERS = (np.int64(row) for row in (0, 1, 2, 3, 4, 5))
 # Rows of `keys`: what the sample numbers of a few of them are drawn for.
 DRAW_KEY, DRAW_SAMPLE, KEY_ROWS = np.int64(0), np.int64(1), 2
-# Surfaces that are lit at once.
-LIT_TOGETHER = np.int64(16)
 
 _ZERO, _ONE, _FAR = np.float32(0), np.float32(1), np.float32(np.inf)
 _U = np.uint32
@@ -100,10 +98,11 @@ TREE = Table(
 def new_tree(
     size: int, levels: int, jobs: npt.NDArray[np.int32], least: float, tint: int, traced: npt.NDArray[np.int64]
 ) -> Packed:
-    """Scratch for trees of so many levels in waves of `size` rays, a multiple of 16; one for each thread, `traced` for
-    all."""
-    part = max(1, min(len(jobs), size // int(LIT_TOGETHER)))
-    several = max(1, size // (part * int(LIT_TOGETHER))) * int(LIT_TOGETHER)
+    """Scratch for trees of so many levels in waves of `size` rays, as `new_wave` makes them; one for each thread,
+    `traced` for all."""
+    size = -(-size // int(LANES)) * int(LANES)
+    part = max(1, min(len(jobs), size // int(LANES)))
+    several = max(1, size // (part * int(LANES))) * int(LANES)
     return TREE.pack(
         floats=np.zeros((levels * int(FLOATS_A_LEVEL), 2 * size), np.float32),
         words=np.zeros((levels * int(WORDS_A_LEVEL), 2 * size), np.uint32),

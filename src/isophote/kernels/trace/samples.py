@@ -8,13 +8,14 @@ import numpy as np
 
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.sampler import draw_pairs, pixel_number
-from isophote.kernels.base.vec import length, vec3
+from isophote.kernels.base.simd import splat16, square_root
 from isophote.kernels.base.warp import to_disk
+from isophote.kernels.base.wide import load_lanes, store_lanes, store_wide, wide, wide_dot
 from isophote.kernels.light.film import add_sample, filter_offset, is_negative
 from isophote.kernels.trace import wave as rows
-from isophote.kernels.trace.camera import camera_ray
+from isophote.kernels.trace.camera import camera_rays, has_lens
 from isophote.kernels.trace.cone import start_cones
-from isophote.kernels.trace.wave import set_row_vec3
+from isophote.kernels.trace.wave import LANES
 
 __all__ = ["FIRST", "Tile", "are_neighbours", "develop", "draw", "start_paths"]
 
@@ -72,30 +73,58 @@ def _choose_samples(plan, film, tile, place, wave):
 
 
 @device
+def _place_on_film(plan, wave, count):
+    """Move samples from their pixels' corners to where the filter has them, in rows HIT_W1 and HIT_W2."""
+    floats, ints = wave.floats, wave.ints
+    draw(plan, wave, count, _FILM, rows.PICK_U)
+    offsets, crossings = plan.offsets, plan.crossings
+    below = plan.width * plan.height
+    for i in range(count):
+        dx, dy = filter_offset(offsets, floats[rows.PICK_U, i]), filter_offset(offsets, floats[rows.PICK_V, i])
+        if crossings.rows > 0:
+            ints[rows.PLACE, i] += below * is_negative(crossings, dx, dy)
+        floats[rows.HIT_W1, i] += _HALF + dx
+        floats[rows.HIT_W2, i] += _HALF + dy
+
+
+@device
+def _leave_camera(plan, camera, wave, count):
+    """Rays through places on the film, sixteen at a time."""
+    floats, lens = wave.floats, has_lens(camera)
+    if lens:
+        draw(plan, wave, count, _LENS, rows.LIGHT_U)
+        for i in range(count):
+            floats[rows.LIGHT_U, i], floats[rows.LIGHT_V, i] = to_disk(floats[rows.LIGHT_U, i], floats[rows.LIGHT_V, i])
+    zero, one = splat16(_ZERO), splat16(_ONE)
+    ones, nothing = wide(one, one, one), wide(zero, zero, zero)
+    for i in range(0, count, LANES):
+        px, py = load_lanes(floats, rows.HIT_W1, i), load_lanes(floats, rows.HIT_W2, i)
+        a = load_lanes(floats, rows.LIGHT_U, i) if lens else zero
+        b = load_lanes(floats, rows.LIGHT_V, i) if lens else zero
+        origin, direction = camera_rays(camera, px, py, a, b)
+        store_wide(floats, rows.ORIGIN, i, origin)
+        store_wide(floats, rows.DIRECTION, i, direction / square_root(wide_dot(direction, direction)))
+        store_wide(floats, rows.CARRIED, i, ones)
+        store_wide(floats, rows.RADIANCE, i, nothing)
+        store_lanes(floats, rows.DENSITY, i, zero)
+        store_lanes(floats, rows.HIT_T, i, splat16(_FAR))
+
+
+@device
 def start_paths(tables, plan, film, tile, place, wave):
     """Camera rays of the next paths of a tile, from its pixel `place` on, in wave columns 0 … count − 1.
 
     Returns (count, pixel to go on at); count is 0 when every pixel has as many samples as it shall have.
     """
-    floats, ints = wave.floats, wave.ints
     count, place = _choose_samples(plan, film, tile, place, wave)
-    draw(plan, wave, count, _FILM, rows.PICK_U)
-    draw(plan, wave, count, _LENS, rows.LIGHT_U)
-    offsets, crossings = plan.offsets, plan.crossings
-    below = plan.width * plan.height
+    # Without paths there may be no tables (rendering/warm.py).
+    if count == 0:
+        return count, place
+    _place_on_film(plan, wave, count)
+    _leave_camera(plan, tables.camera, wave, count)
+    inside = wave.longs[rows.INSIDE]
     for i in range(count):
-        dx, dy = filter_offset(offsets, floats[rows.PICK_U, i]), filter_offset(offsets, floats[rows.PICK_V, i])
-        ints[rows.PLACE, i] += below * is_negative(crossings, dx, dy)
-        a, b = to_disk(floats[rows.LIGHT_U, i], floats[rows.LIGHT_V, i])
-        px, py = floats[rows.HIT_W1, i] + (_HALF + dx), floats[rows.HIT_W2, i] + (_HALF + dy)
-        origin, direction = camera_ray(tables.camera, px, py, a, b)
-        set_row_vec3(floats, rows.ORIGIN, i, origin)
-        set_row_vec3(floats, rows.DIRECTION, i, direction / length(direction))
-        set_row_vec3(floats, rows.CARRIED, i, vec3(_ONE, _ONE, _ONE))
-        set_row_vec3(floats, rows.RADIANCE, i, vec3(_ZERO, _ZERO, _ZERO))
-        floats[rows.DENSITY, i] = _ZERO
-        floats[rows.HIT_T, i] = _FAR
-        wave.longs[rows.INSIDE, i] = plan.inside
+        inside[i] = plan.inside
     if tables.textures.nodes.rows > 0:
         start_cones(tables, plan, wave, count)
     return count, place

@@ -54,6 +54,9 @@ INT_COUNT = 7
 # Long rows: slot and instance of the hit, order in which packets take rays, media that the ray is in (medium.py).
 HIT_SLOT, HIT_INSTANCE, ORDER, INSIDE = 0, 1, 2, 3
 LONG_COUNT = 4
+
+# Columns that are worked on at once.
+LANES = np.int64(16)
 # Floats in a line of the processor's memory, which what primitives keep in the scratch shall not cross.
 _LINE = 16
 
@@ -77,7 +80,8 @@ def _aligned(words: int) -> npt.NDArray[np.float32]:
 
 
 def new_wave(size: int, scratch: int = SCRATCH_WORDS) -> Packed:
-    """Scratch for waves of `size` paths, with so many words for traversals; one for each thread."""
+    """Scratch for waves of `size` paths, made whole sixteens, with so many words for traversals; one a thread."""
+    size = -(-size // int(LANES)) * int(LANES)
     return WAVE.pack(
         floats=np.zeros((FLOAT_COUNT, size), np.float32),
         ints=np.zeros((INT_COUNT, size), np.uint32),
