@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Sequence
 from typing import NamedTuple, TypeAlias
 
@@ -11,24 +10,23 @@ import numpy as np
 import numpy.typing as npt
 
 from isophote.analysis.connectivity.topology import topology
-from isophote.convert.contour import to_mesh
 from isophote.convert.triangulate import triangulate
-from isophote.errors import IsophoteWarning, RenderError
+from isophote.errors import RenderError
 from isophote.lower.displaced import displaced
 from isophote.lower.lights import rectangle_mesh
 from isophote.lower.materials import emission_of, emission_texture_of
 from isophote.lower.texture_probe import texture_values
+from isophote.rendering.radiosity.meshes import surface_mesh
 from isophote.scene.cutout import Cutout
 from isophote.scene.light import RectLight
-from isophote.scene.material import Emitter, Material, Matte
+from isophote.scene.material import Emitter, Material
 from isophote.scene.nearest import nearest_principled
 from isophote.scene.relief import unturned
 from isophote.scene.scene import Scene
 from isophote.scene.texture import Texture
-from isophote.shapes.field.field import Field
 from isophote.shapes.mesh import Attribute, Mesh
 
-__all__ = ["Around", "Faces", "Painted", "faces_of", "looked_up"]
+__all__ = ["Around", "Faces", "Painted", "bounded", "faces_of", "looked_up"]
 
 Points: TypeAlias = npt.NDArray[np.float64]
 
@@ -100,30 +98,34 @@ class _Surface:
                 return
             material = unturned(material.body)
         shown = nearest_principled(material)
-        if not isinstance(material, Matte):
-            warnings.warn(
-                f"{name}: radiosity knows only diffuse surfaces; its {type(material).__name__} is drawn as Matte",
-                IsophoteWarning,
-                stacklevel=2,
-            )
         self.albedo, self.texture = np.array(shown.colour), shown.colour_texture
         if (self.albedo > 1).any():
             raise RenderError(f"{name}: albedo {tuple(self.albedo)} reflects more than it receives; give 1 at most")
 
 
+def bounded(scene: Scene) -> Points:
+    """(2, 3): the box around all items that have bounds. Raises `RenderError` where none has."""
+    boxes = [item.bounds for item in scene.items if np.isfinite(item.bounds).all()]
+    if not boxes:
+        raise RenderError("Radiosity: no item has bounds; cut endless ones, as by field & iso.box(...)")
+    return np.stack([np.min([box[0] for box in boxes], axis=0), np.max([box[1] for box in boxes], axis=0)])
+
+
 def faces_of(scene: Scene, cell: float) -> Faces:
     """The faces of all items and rectangle lights of `scene`; fields are meshed with cells of `cell` metres.
 
-    A closed mesh that is turned outward has faces on its outside only, any other on both sides. Raises `RenderError`
-    for shapes without bounds and materials that reflect more than they receive.
+    Endless planes end three diagonals of all else away. A closed mesh that is turned outward has faces on its outside
+    only, any other on both sides. Raises `RenderError` for shapes without bounds and materials that reflect more than
+    they receive.
     """
     parts: list[dict[str, npt.NDArray[np.generic]]] = []
     textures: list[Painted] = []
     meshes: list[Mesh] = []
     solid: list[bool] = []
+    around = bounded(scene)
     for number, item in enumerate(displaced(scene).items):
         name = f"items[{number}]"
-        mesh = _mesh_of(item.shape, cell, name)
+        mesh = surface_mesh(item, cell, around, name)
         surface = _Surface(item.material, name)
         solid.append(_add(parts, textures, meshes, mesh, item.transform.matrix, surface, number))
     for number, light in enumerate(scene.lights, start=len(scene.items)):
@@ -135,16 +137,6 @@ def faces_of(scene: Scene, cell: float) -> Faces:
         raise RenderError("Radiosity: the scene has no surfaces")
     joined = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     return Faces(**joined, textures=tuple(textures), meshes=tuple(meshes), solid=np.array(solid))
-
-
-def _mesh_of(shape: object, cell: float, name: str) -> Mesh:
-    if isinstance(shape, Mesh):
-        return shape
-    if not isinstance(shape, Field):
-        raise RenderError(f"{name}: a {type(shape).__name__} has no surface that radiosity could cut into patches")
-    if not np.isfinite(shape.bounds).all():
-        raise RenderError(f"{name}: an endless field has no patches; cut it, as by field & iso.box(...)")
-    return to_mesh(shape, cell=cell, progress=False)
 
 
 def _add(

@@ -16,7 +16,7 @@ from isophote.rendering.method import Job
 from isophote.rendering.oddities import warn_of_oddities
 from isophote.rendering.pool import checked_threads
 from isophote.rendering.radiosity.coverage import Coverage
-from isophote.rendering.radiosity.faces import Faces, faces_of
+from isophote.rendering.radiosity.faces import Faces, bounded, faces_of
 from isophote.rendering.radiosity.hierarchy import settle
 from isophote.rendering.radiosity.solution import RadiositySolution, solution_of
 from isophote.rendering.radiosity.tree import PatchTree
@@ -66,7 +66,7 @@ class Radiosity:
         if scene.camera is None:
             raise RenderError("Radiosity: the scene has no camera")
         warn_of_oddities(job.scene)
-        warn_of_left_out(job.scene, "Radiosity", holes=True, relief=True)
+        warn_of_left_out(job.scene, "Radiosity", holes=True, relief=True, gloss=True)
         began = time.monotonic()
         found = self.solve(scene, job.report, job.threads)
         image = found.image(scene.camera, job.size, samples=self.samples)
@@ -84,7 +84,7 @@ class Radiosity:
         """The solution behind the picture, for any number of views."""
         if not scene.items:
             raise RenderError("Radiosity: the scene has no items")
-        patch = self.patch or _PATCH * _extent(scene)
+        patch = self.patch or _PATCH * float(np.linalg.norm(np.ptp(bounded(scene), axis=0)))
         report("cutting surfaces", 0.0)
         faces = faces_of(scene, patch)
         even = self.method != "hierarchical"
@@ -143,15 +143,7 @@ def radiosity(
 def _tell_of(scene: Scene) -> None:
     # One call deeper than from `Radiosity.render`, so that warnings point to the call of iso.radiosity.
     warn_of_oddities(scene)
-    warn_of_left_out(scene, "Radiosity", holes=True, relief=True)
-
-
-def _extent(scene: Scene) -> float:
-    """Diagonal of all items that have bounds."""
-    boxes = [item.bounds for item in scene.items if np.isfinite(item.bounds).all()]
-    if not boxes:
-        raise RenderError("Radiosity: no item has bounds; cut endless ones, as by field & iso.box(...)")
-    return float(np.linalg.norm(np.max([b[1] for b in boxes], axis=0) - np.min([b[0] for b in boxes], axis=0)))
+    warn_of_left_out(scene, "Radiosity", holes=True, relief=True, gloss=True)
 
 
 def _blockers(faces: Faces, scene: Scene) -> Scene:
