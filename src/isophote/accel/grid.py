@@ -8,11 +8,10 @@ import numpy as np
 import numpy.typing as npt
 
 from isophote.accel.accelerator import Accelerator, Built, blocks_of, padded_slots
-from isophote.accel.crew import Run, crew, ranges
+from isophote.accel.crew import crew, ranges
+from isophote.accel.grid_lists import Geometry, Lists, boxes_of_lists, order_all, share_lists
 from isophote.kernels.accel.grid_build import (
-    BOX_COST,
     NARROWEST,
-    TRIANGLE_COST,
     choose_root,
     choose_subgrids,
     place_triangles,
@@ -28,12 +27,7 @@ from isophote.kernels.accel.grid_layout import (
     NEAR_ORIGINS,
     NOTHING,
     ROUNDING,
-    ROW,
-    SIZE,
-    SLACK,
 )
-from isophote.kernels.accel.grid_order import order_lists
-from isophote.kernels.accel.layout import LANES, WIDTH
 from isophote.kernels.base.table import Packed
 
 __all__ = ["GRID_OF_GRIDS"]
@@ -69,20 +63,6 @@ class _Filled(NamedTuple):
     starts: Longs
 
 
-class _Geometry(NamedTuple):
-    """Flat positions and triangles, whether these stand for boxes (kernels/accel/clip.py), and what runs jobs."""
-
-    positions: FloatArray
-    triangles: IntArray
-    boxes: bool
-    run: Run
-
-    @property
-    def item_cost(self) -> float:
-        """What a triangle, or a box, costs a ray in a list."""
-        return BOX_COST if self.boxes else TRIANGLE_COST
-
-
 def _build(positions: FloatArray, triangles: IntArray, threads: int | None) -> Built:
     count = len(triangles)
     corners = positions[triangles.reshape(-1)]
@@ -91,7 +71,7 @@ def _build(positions: FloatArray, triangles: IntArray, threads: int | None) -> B
         return Built(_nothing(), np.empty(0, np.float32), bounds)
     boxes = bool((triangles[:, 1] == triangles[:, 2]).all())
     with crew(threads, count) as run:
-        geometry = _Geometry(positions.reshape(-1), triangles.reshape(-1), boxes, run)
+        geometry = Geometry(positions.reshape(-1), triangles.reshape(-1), boxes, run)
         level = _root(geometry, count, bounds.astype(np.float64))
         levels, filled, chosen = [], [], []
         while True:
@@ -126,7 +106,7 @@ def _frames(boxes: Doubles, shapes: Longs, reaches: Doubles, farthest: float) ->
     return np.concatenate([lower - 2 * slack, wide, slack, near, reaches[:, None], 1 / wide], axis=1)
 
 
-def _root(geometry: _Geometry, count: int, bounds: Doubles) -> _Level:
+def _root(geometry: Geometry, count: int, bounds: Doubles) -> _Level:
     """The outermost grid, with all triangles."""
     middle, extents = bounds.mean(axis=0), bounds[1] - bounds[0]
     # One point still has coordinates, and those their rounding.
@@ -146,7 +126,7 @@ def _root(geometry: _Geometry, count: int, bounds: Doubles) -> _Level:
     return _Level(frames, np.append(shape, 0)[None], np.array([0, count]), np.arange(count, dtype=np.int32))
 
 
-def _fill(geometry: _Geometry, level: _Level) -> _Filled:
+def _fill(geometry: Geometry, level: _Level) -> _Filled:
     """The references of each cell of a level, in order: counted first, then written."""
     jobs, spans = _jobs(level)
     cells = int(level.shapes[-1, 3] + level.shapes[-1, :3].prod())
@@ -184,7 +164,7 @@ class _Chosen(NamedTuple):
     reaches: Doubles
 
 
-def _choose(geometry: _Geometry, level: _Level, filled: _Filled, *, last: bool) -> _Chosen:
+def _choose(geometry: Geometry, level: _Level, filled: _Filled, *, last: bool) -> _Chosen:
     """Which cells of a level become grids; none of the last level."""
     cells = len(filled.starts) - 1
     chosen = _Chosen(np.zeros((cells, 3), np.int64), np.zeros((cells, 6)), np.zeros(cells))
@@ -214,71 +194,39 @@ def _next_level(filled: _Filled, chosen: _Chosen, farthest: float) -> _Level:
 
 
 def _table(
-    geometry: _Geometry, levels: list[_Level], filled: list[_Filled], chosen: list[_Chosen]
+    geometry: Geometry, levels: list[_Level], filled: list[_Filled], chosen: list[_Chosen]
 ) -> tuple[Packed, IntArray]:
     """The table of all levels, and the triangles in the slots of the lists' blocks."""
     codes, shapes, kept, counts = [], [], [], []
-    grids, cells, lists = 1, 0, 0
+    grids, cells, numbers = 1, 0, 0
     for level, content, choice in zip(levels, filled, chosen, strict=True):
         own = np.diff(content.starts)
         inner = choice.shapes[:, 0] > 0
         listed = (own > 0) & ~inner
         code = np.full(len(own), NOTHING, np.int32)
         code[inner] = 2 * (grids + np.arange(inner.sum())) + 1
-        code[listed] = 2 * (lists + np.arange(listed.sum()))
+        code[listed] = 2 * (numbers + np.arange(listed.sum()))
         codes.append(code)
         shapes.append(level.shapes + np.array([0, 0, 0, cells]))
         kept.append(content.references[np.repeat(listed, own)])
         counts.append(own[listed])
-        grids, cells, lists = grids + int(inner.sum()), cells + len(own), lists + int(listed.sum())
+        grids, cells, numbers = grids + int(inner.sum()), cells + len(own), numbers + int(listed.sum())
     all_frames, all_shapes = np.concatenate([level.frames for level in levels]), np.concatenate(shapes)
-    all_cells, references = np.concatenate(codes), np.concatenate(kept)
-    sizes = np.concatenate(counts).astype(np.int32)
-    rows, first_rows = _ordered(geometry, references, sizes, _boxes_of_lists(all_frames, all_shapes, all_cells))
+    all_cells = np.concatenate(codes)
+    lists = Lists(np.concatenate(kept), np.concatenate(counts).astype(np.int32))
+    rows, first_rows = order_all(geometry, lists, boxes_of_lists(all_frames, all_shapes, all_cells))
+    all_cells, lists, first_rows = share_lists(all_cells, lists, first_rows)
     geometry.run(measure_empty, [(all_cells, all_shapes, *piece) for piece in _pieces(all_shapes)])
-    starts, slots = padded_slots(sizes, references)
+    starts, slots = padded_slots(lists.sizes, lists.references)
     tables = GRID.pack(
         frames=all_frames,
         shapes=all_shapes,
         cells=all_cells,
-        lists=np.stack([starts, sizes, first_rows], axis=1),
+        lists=np.stack([starts, lists.sizes, first_rows], axis=1),
         rows=rows,
         reach=float(np.abs(geometry.positions).max()),
     )
     return tables, slots
-
-
-def _boxes_of_lists(frames: Doubles, shapes: Longs, cells: IntArray) -> FloatArray:
-    """The cells that are lists, (lists, 6), with the slack about them."""
-    numbers = np.flatnonzero((cells >= 0) & (cells & 1 == 0))
-    grid = np.searchsorted(shapes[:, 3], numbers, side="right") - 1
-    frame, shape, rest = frames[grid], shapes[grid], numbers - shapes[grid, 3]
-    place = np.stack([rest % shape[:, 0], rest // shape[:, 0] % shape[:, 1], rest // (shape[:, 0] * shape[:, 1])], 1)
-    lower, slack = frame[:, :3] + place * frame[:, SIZE : SIZE + 3], frame[:, SLACK, None]
-    upper = lower + frame[:, SIZE : SIZE + 3] + slack
-    outward = np.array([-np.inf] * 3 + [np.inf] * 3, np.float32)
-    return np.nextafter(np.concatenate([lower - slack, upper], axis=1).astype(np.float32), outward)
-
-
-def _ordered(
-    geometry: _Geometry, references: IntArray, sizes: IntArray, cells: FloatArray
-) -> tuple[FloatArray, IntArray]:
-    """Put references into the order of their lists' blocks; the rows of the blocks' boxes, and the first row of each
-    list, or −1 for one that has none: of a single block, or of boxes."""
-    own = np.where((sizes > LANES) & (not geometry.boxes), -(-sizes // (LANES * WIDTH)), 0)
-    ends = np.cumsum(own)
-    first_rows = np.where(own > 0, ends - own, -1).astype(np.int32)
-    rows = np.empty(int(ends[-1]) * ROW, np.float32)
-    starts = np.concatenate([np.zeros(1, np.int64), np.cumsum(sizes, dtype=np.int64)])
-    given = geometry.positions, geometry.triangles, references, starts, first_rows, cells
-    geometry.run(order_lists, [(*given, *piece, rows) for piece in _pieces_of_lists(starts)])
-    return rows, first_rows
-
-
-def _pieces_of_lists(starts: Longs) -> list[tuple[int, int]]:
-    """Ranges of lists with enough references to be worth a thread's while."""
-    ends = np.append(np.flatnonzero(np.diff(starts[1:] // _SLAB)) + 1, len(starts) - 1)
-    return list(zip([0, *ends[:-1].tolist()], ends.tolist(), strict=True))
 
 
 def _pieces(shapes: Longs) -> list[tuple[int, int]]:

@@ -1,7 +1,9 @@
 """Rays through a grid of grids, in grid_layout.py's memory: from cell to cell, and into the grids that cells are.
 
 A triangle stands in the blocks of every cell that it overlaps. The boxes of a list's blocks, which are around the parts
-of triangles in that cell, are tested eight at a time before any triangle is.
+of triangles in that cell, are tested eight at a time before any triangle is. Lists of one block have no boxes; where
+several cells have the same one, such as cells along a wall, a mailbox (Amanatides, Woo) sees to it that a ray tests it
+once.
 """
 
 from __future__ import annotations
@@ -12,6 +14,7 @@ import numpy as np
 
 from isophote.kernels.accel.bvh import Slabs, enter_children, slabs
 from isophote.kernels.accel.contract import (
+    RAY_WORDS,
     STACK,
     Nearest,
     add_counts,
@@ -22,7 +25,7 @@ from isophote.kernels.accel.contract import (
     ray_origin,
 )
 from isophote.kernels.accel.grid_far import FarWalk, begin_far, is_far, next_far, resume_far
-from isophote.kernels.accel.grid_layout import GRID, MOST_LEVELS, ROW
+from isophote.kernels.accel.grid_layout import GRID, MAILED, MOST_LEVELS, ROW
 from isophote.kernels.accel.grid_walk import Walk, Way, course_of, enter, hop, place_in, step, way_of
 from isophote.kernels.accel.layout import LANES, WIDTH
 from isophote.kernels.accel.things import closest_in_leaf, tested_in_leaf, things_of
@@ -42,24 +45,16 @@ _PARENT, _PLACES = np.int64(10), np.int64(4)
 _FAR = np.int64(STACK + 10 * (MOST_LEVELS + 1))
 _FAR_WIDE = _FAR + np.int64(9)
 _ROUND_UP = 1.0 + 2.0**-22
+# The code of a cell in which the outermost grid would be.
+_OUTERMOST, _NOWHERE = np.int64(1), 0.0
 _ROOT, _ONE, _SEVEN = np.int64(0), np.int64(1), np.int64(7)
 _LANES, _WIDTH, _ROW = np.int64(LANES), np.int64(WIDTH), np.int64(ROW)
 # A hop costs as much as two or three steps.
 _WORTH_A_HOP = np.int64(2)
+# Which lists the ray has come by of those that several cells have, at the end of its words, as that of things is.
+_BOXES = np.int64(16)
+_MAILBOX, _MAILED, _NOTHING = np.int64(RAY_WORDS - 16), np.int64(MAILED), np.int32(-1)
 _MOST_BLOCK_WORDS = np.int64(1) << np.int64(40)
-
-
-class _State(NamedTuple):
-    """Where a ray is: the grid, how deep it lies, the cell (−1 at the end), and the walk where the ray is near.
-
-    Where it is far, which is seldom, the walk is kept in the ray's words."""
-
-    grid: int
-    level: int
-    cell: int
-    far: bool
-    walk: Walk
-    way: Way
 
 
 @device
@@ -93,8 +88,18 @@ def _kept_far(words):
     )
 
 
-@device
-def _enter(frames, shapes, grid, level, course, limit, words):
+class _Place(NamedTuple):
+    """Where a ray comes to in a grid: whether it is far from that, its cell (−1 where it misses the grid), and the walk
+    and the way where it is near. Where it is far, which is seldom, the walk is kept in the ray's words."""
+
+    far: bool
+    cell: int
+    walk: Walk
+    way: Way
+
+
+@exact_inline
+def _enter(frames, shapes, grid, course, limit, words):
     """At the first cell of a grid."""
     walk, leave, inside = enter(frames, shapes, grid, course, limit)
     cell, far = walk.cell if inside else -_ONE, is_far(frames, shapes, grid, course)
@@ -104,23 +109,23 @@ def _enter(frames, shapes, grid, level, course, limit, words):
         # A walk that ends before it begins must not take the place of the one that it would leave.
         if cell >= 0:
             _keep_far(words, far_walk)
-    return _State(grid, level, cell, far, walk, way_of(frames, shapes, grid, course, leave))
+    return _Place(far, cell, walk, way_of(frames, shapes, grid, course, leave))
 
 
 @device
-def _push(words, state, walk):
+def _push(words, grid, level, cell, walk, leave):
     """Keep where the ray is in a grid, to come back."""
-    at = STACK + _PARENT * state.level
-    store_int(words, at, np.int32(state.grid))
-    store_int(words, at + 1, np.int32(walk.cell))
+    at = STACK + _PARENT * level
+    store_int(words, at, np.int32(grid))
+    store_int(words, at + 1, np.int32(cell))
     places = doubles_at(element_address(words, at + 2), _PLACES)
     places[0], places[1], places[2] = walk.next_x, walk.next_y, walk.next_z
-    places[3] = state.way.leave
+    places[3] = leave
 
 
-@device
+@exact_inline
 def _pop(words, level, frames, shapes, course):
-    """In the grid around, at the cell whose grid the ray has left."""
+    """(grid, place): in the grid around, at the cell whose grid the ray has left."""
     at = STACK + _PARENT * level
     grid, cell = np.int64(load_int(words, at)), np.int64(load_int(words, at + 1))
     places = doubles_at(element_address(words, at + 2), _PLACES)
@@ -128,10 +133,10 @@ def _pop(words, level, frames, shapes, course):
     if far:
         x, y, z = place_in(shapes, grid, cell)
         _keep_far(words, resume_far(frames, shapes, grid, course, x, y, z))
-    return _State(grid, level, cell, far, walk, way_of(frames, shapes, grid, course, places[3]))
+    return grid, _Place(far, cell, walk, way_of(frames, shapes, grid, course, places[3]))
 
 
-@device
+@exact_inline
 def _to_next(cells, walk, way, shift, empty, limit):
     """(walk, steps, code): the next cell of a grid that is not empty, and what it holds; code −1 where the ray leaves
     the grid or comes to `limit` before. `empty` says how many cells are empty beyond this one."""
@@ -151,6 +156,14 @@ def _to_next(cells, walk, way, shift, empty, limit):
         if code >= 0:
             return walk, steps, code
         empty = (code >> shift) & _SEVEN
+
+
+@device
+def _next_far(frames, shapes, grid, course, limit, words):
+    """The next cell of a far ray's grid; −1 where the ray leaves it."""
+    walk = next_far(frames, shapes, grid, course, _kept_far(words), limit)
+    _keep_far(words, walk)
+    return walk.cell
 
 
 class _Test(NamedTuple):
@@ -187,6 +200,11 @@ def _test_list(grid, number, blocks, ready, things, any_will_do, words, test):
         row = np.int64(grid.lists[number, 2])
         if row >= 0:
             return _test_rows(grid, first, row, count, blocks, ready, things, any_will_do, words, test)
+        if row == _MAILED:
+            box = _MAILBOX + (number & (_BOXES - 1))
+            if load_int(words, box) == number:
+                return test
+            store_int(words, box, np.int32(number))
     nearest = closest_in_leaf(blocks, first, count, ready.sheared, things, test.nearest, words)
     return _Test(nearest, test.tested + tested_in_leaf(count, things))
 
@@ -199,40 +217,22 @@ class _Ready(NamedTuple):
 
 
 @device
-def _onward(grid, words, course, state, limit):
-    """(state, steps): the next cell of a far ray's grid, or the next that is not empty of the grids around."""
-    cells, frames, shapes = grid.cells, grid.frames, grid.shapes
-    visited, left = np.int64(0), not state.far
-    while True:
-        if state.far:
-            far_walk = next_far(frames, shapes, state.grid, course, _kept_far(words), limit)
-            _keep_far(words, far_walk)
-            visited += 1
-            if far_walk.cell >= 0:
-                return _State(state.grid, state.level, far_walk.cell, True, state.walk, state.way), visited
-        elif not left:
-            walk, steps, code = _to_next(cells, state.walk, state.way, course.shift, _ROOT, limit)
-            visited += steps
-            if code >= 0:
-                return _State(state.grid, state.level, walk.cell, False, walk, state.way), visited
-        if state.level == 0:
-            return _State(state.grid, state.level, -_ONE, False, state.walk, state.way), visited
-        state, left = _pop(words, state.level - 1, frames, shapes, course), False
-
-
-@device
 def _trace(grid, blocks, words, things, any_will_do):
     """The nearest triangle, or thing, or the first that is met where any will do."""
     origin, direction = ray_origin(words), ray_direction(words)
     ready, course = _Ready(shear(origin, direction), slabs(origin, direction, grid.reach)), course_of(origin, direction)
     cells, frames, shapes = grid.cells, grid.frames, grid.shapes
     test = _Test(nearest_of(words), np.int64(0))
-    visited, deepest = np.int64(0), np.int64(0)
-    state = _enter(frames, shapes, _ROOT, np.int64(0), course, np.float64(test.nearest.t), words)
-    walk, way, cell = state.walk, state.way, state.cell
-    visited += cell >= 0
-    while cell >= 0:
-        code, empty = np.int64(cells[cell]), np.int64(0)
+    if things is None:
+        for k in range(_BOXES):
+            store_int(words, _MAILBOX + k, _NOTHING)
+    visited, deepest, level, number = np.int64(0), np.int64(0), -_ONE, _ROOT
+    # The ray comes to the outermost grid as to one in a cell.
+    far, cell, code = False, -_ONE, _OUTERMOST
+    walk = Walk(cell, _NOWHERE, _NOWHERE, _NOWHERE)
+    way = Way(_ROOT, _ROOT, _ROOT, _NOWHERE, _NOWHERE, _NOWHERE, _NOWHERE, _NOWHERE, _NOWHERE, _NOWHERE)
+    while True:
+        empty = np.int64(0)
         if code < 0:
             empty = (code >> course.shift) & _SEVEN
         elif code & 1 == 0:
@@ -240,24 +240,41 @@ def _trace(grid, blocks, words, things, any_will_do):
             if any_will_do and test.nearest.slot >= 0:
                 break
         else:
-            inner = _enter(frames, shapes, code >> 1, state.level + 1, course, np.float64(test.nearest.t), words)
+            inner = _enter(frames, shapes, code >> 1, course, np.float64(test.nearest.t), words)
             if inner.cell >= 0:
-                _push(words, state, Walk(cell, walk.next_x, walk.next_y, walk.next_z))
-                state = inner
-                walk, way, cell = state.walk, state.way, state.cell
-                deepest = max(deepest, state.level)
+                if level >= 0:
+                    _push(words, number, level, cell, walk, way.leave)
+                number, level = code >> 1, level + 1
+                far, cell, walk, way = inner
+                code = np.int64(cells[cell])
+                deepest = max(deepest, level)
                 visited += 1
                 continue
-        # What happens in nearly every cell stays in a few registers.
-        if not state.far:
-            walk, steps, code = _to_next(cells, walk, way, course.shift, empty, np.float64(test.nearest.t))
-            cell = walk.cell
-            visited += steps
-            if code >= 0:
-                continue
-        state, steps = _onward(grid, words, course, state, np.float64(test.nearest.t))
-        walk, way, cell = state.walk, state.way, state.cell
-        visited += steps
+            if level < 0:
+                break
+        # On to the next cell, or to the next of the grids around.
+        limit, going = np.float64(test.nearest.t), True
+        while going:
+            if far:
+                cell = _next_far(frames, shapes, number, course, limit, words)
+                visited += 1
+                if cell >= 0:
+                    code = np.int64(cells[cell])
+                    break
+            else:
+                walk, steps, code = _to_next(cells, walk, way, course.shift, empty, limit)
+                visited += steps
+                if code >= 0:
+                    cell = walk.cell
+                    break
+            going = level > 0
+            if going:
+                level -= 1
+                number, place = _pop(words, level, frames, shapes, course)
+                far, cell, walk, way = place
+                empty = np.int64(0)
+        if not going:
+            break
     add_counts(words, visited, test.tested, deepest)
     return test.nearest
 

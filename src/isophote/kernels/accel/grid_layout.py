@@ -6,7 +6,7 @@ lie, both along an axis; 1 / size. `shapes` (grids, 4) int64: cells on x, y, z, 
 go by x, then y, then z. A cell is one int32:
 
     c ≥ 0, even    list c / 2: lists[c / 2] are the first block of its triangles, how many these are, and its first row
-                   of boxes, or −1 where it has none
+                   of boxes; or NO_ROW where it has none; or MAILED where it has none and several cells have it
     c ≥ 0, odd     grid (c − 1) / 2
     c < 0          nothing; bits 3 o, 3 o + 1, 3 o + 2 say how many more cells on x, y and z, up to seven, lie empty
                    toward octant o, whose bit k is set where axis k goes down: a ray may pass all of that cube at once
@@ -24,7 +24,7 @@ from __future__ import annotations
 
 from isophote.kernels.base.table import DOUBLE_BOXES, FLOAT, FLOATS, INT_ROWS, INTS, LONG_ROWS, Table
 
-__all__ = ["FRAME", "GRID", "MOST_LEVELS", "NEAR_ORIGINS", "NOTHING", "ROUNDING", "ROW"]
+__all__ = ["FRAME", "GRID", "MAILED", "MOST_LEVELS", "NEAR_ORIGINS", "NOTHING", "NO_ROW", "ROUNDING", "ROW"]
 
 GRID = Table("GridOfGrids", frames=DOUBLE_BOXES, shapes=LONG_ROWS, cells=INTS, lists=INT_ROWS, rows=FLOATS, reach=FLOAT)
 
@@ -34,8 +34,9 @@ SIZE, SLACK, NEAR, REACH, INVERSE = 3, 6, 7, 8, 9
 
 # An empty cell that has no empty cells beside it.
 NOTHING = -(1 << 31)
-# Words of a row.
+# Words of a row, and what stands for the first row of lists without.
 ROW = 48
+NO_ROW, MAILED = -1, -2
 # Grids within grids.
 MOST_LEVELS = 4
 # Origins are near within so many half sizes of the grid.

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from isophote.kernels.accel.grid_layout import INVERSE, SIZE, SLACK
-from isophote.kernels.base.jit import device
+from isophote.kernels.base.jit import device, exact_inline
 
 __all__ = ["Course", "Walk", "Way", "course_of", "enter", "hop", "place_in", "step", "walk_from", "way_of"]
 
@@ -64,7 +64,7 @@ class Walk(NamedTuple):
     next_z: float
 
 
-@device
+@exact_inline
 def course_of(origin, direction):
     """The ray's `Course`."""
     dx, dy, dz = np.float64(direction.x), np.float64(direction.y), np.float64(direction.z)
@@ -98,7 +98,7 @@ def _next_plane(cell, lower, size, origin, direction, inverse):
     return (lower + (cell + (_ONE if inverse > 0.0 else _ZERO)) * size - origin) * inverse
 
 
-@device
+@exact_inline
 def walk_from(frames, shapes, grid, course, x, y, z):
     """The `Walk` at a cell."""
     return Walk(
@@ -114,7 +114,7 @@ def _width(size, direction, inverse):
     return 0.0 if direction == 0.0 else size * abs(inverse)
 
 
-@device
+@exact_inline
 def way_of(frames, shapes, grid, course, leave):
     """The `Way` in a grid that the ray leaves there."""
     nx, ny = shapes[grid, 0], shapes[grid, 1]
@@ -132,7 +132,7 @@ def way_of(frames, shapes, grid, course, leave):
     )
 
 
-@device
+@exact_inline
 def enter(frames, shapes, grid, course, limit):
     """The `Walk` at the ray's first cell of a grid, where it leaves, and whether it comes there before `limit`."""
     slack = frames[grid, SLACK]
@@ -158,7 +158,7 @@ def place_in(shapes, grid, cell):
     return rest % nx, rest // nx % ny, rest // (nx * ny)
 
 
-@device
+@exact_inline
 def step(walk, way):
     """The `Walk` at the next cell. Which axis it is cannot be guessed, so there is no branch."""
     along_x = walk.next_x <= walk.next_y and walk.next_x <= walk.next_z
@@ -179,7 +179,7 @@ def _planes_until(t, next_plane, rate):
     return np.int64((t - next_plane) * rate + 1.0) if next_plane <= t else _ZERO
 
 
-@device
+@exact_inline
 def hop(walk, way, empty):
     """(t, walk): where the ray leaves the cube of `empty` more cells toward its octant, and the `Walk` there."""
     far = np.float64(empty)
