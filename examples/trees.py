@@ -1,5 +1,5 @@
 """Trees seen from outside: cells of a BSP tree along the walls of turned houses, and boxes of a bounding interval
-hierarchy over the same. It also defines the houses as a `scene`.
+hierarchy over a torus. It also defines the houses as a `scene`.
 
     python examples/trees.py
     isophote render examples/trees.py -o houses.png --accelerator bsp
@@ -33,5 +33,6 @@ scene = iso.Scene(
 )
 
 if __name__ == "__main__":
-    for name, depth in (("bsp", 5), ("bih", 3)):
-        iso.show_tree(houses(0.5), name, depth=depth, size=(400, 300)).save(PICTURES / f"tree-{name}.png")
+    iso.show_tree(houses(0.5), "bsp", depth=5, size=(400, 300)).save(PICTURES / "tree-bsp.png")
+    torus = iso.to_mesh(iso.torus(1, 0.4), cell=0.03)
+    iso.show_tree(torus, "bih", depth=2, size=(400, 300)).save(PICTURES / "tree-bih.png")
