@@ -48,7 +48,7 @@ def rays_and_hits(
         directions=np.zeros((0, 4), np.float32) if directions is None else directions,
         open=np.zeros((count, 4)),
     )
-    wave = new_wave(1024, BUNDLE_SCRATCH)
+    wave = new_wave(1040, BUNDLE_SCRATCH)
     kernels.find_openings(lowered(mesh, 1).words, openings.words, wave.words, 0, count)
     floats, rays = wave.arrays["floats"], count * samples
     blocked = wave.arrays["ints"][rows.BLOCKED, :rays] == 1

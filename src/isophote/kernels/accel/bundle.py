@@ -48,9 +48,9 @@ from isophote.kernels.base.simd import (
     store_int,
 )
 from isophote.kernels.base.simd_product import product_difference
-from isophote.kernels.forms.triangle import Shear, hit_block
+from isophote.kernels.forms.triangle import Shear, meets_blocks
 
-__all__ = ["BUNDLE", "BUNDLE_SCRATCH", "blocked_of_bundle", "set_ray_of_bundle"]
+__all__ = ["BUNDLE", "BUNDLE_SCRATCH", "blocked_of_bundle", "set_direction_of_bundle"]
 
 # Rays of a bundle, and of a group: one register of theirs.
 BUNDLE = 64
@@ -58,20 +58,20 @@ _GROUP = 16
 _GROUPS = np.int64(BUNDLE // _GROUP)
 _LANES_OF_GROUP = np.int64(0xFFFF)
 
-# Rows of the scratch, BUNDLE words each: directions, 1/d, o/d moved outward on both sides, limits, shears.
-_DIRECTIONS, _INVERSE, _ENTER, _LEAVE, _LIMIT, _SHEARS = (np.int64(row * BUNDLE) for row in (0, 3, 6, 9, 12, 13))
+# Rows of the scratch, BUNDLE words each: directions, 1/d, o/d moved outward on both sides, shears.
+_DIRECTIONS, _INVERSE, _ENTER, _LEAVE, _SHEARS = (np.int64(row * BUNDLE) for row in (0, 3, 6, 9, 12))
 _ROW = np.int64(BUNDLE)
 # Planes of a node's boxes from the origin, corners of a block's triangles from there, sets of rays that enter the
 # children, then the stacks: of the bundle, whose entries are a code and a set, and of single rays.
-_PLANES = np.int64(16 * BUNDLE)
-_CORNERS = np.int64(16 * BUNDLE + 6 * WIDTH)
-_STACK = np.int64(16 * BUNDLE + 6 * WIDTH + 9 * LANES)
-_ENTRY = np.int64(4)
-_SINGLES = np.int64(16 * BUNDLE + 6 * WIDTH + 9 * LANES + 4 * (WIDTH - 1) * (MAX_DEPTH + 4))
-BUNDLE_SCRATCH = 16 * BUNDLE + 6 * WIDTH + 9 * LANES + 4 * (WIDTH - 1) * (MAX_DEPTH + 4) + STACK
+_PLANES = np.int64(15 * BUNDLE)
+_CORNERS = np.int64(15 * BUNDLE + 6 * WIDTH)
+_STACK = np.int64(15 * BUNDLE + 6 * WIDTH + 9 * LANES)
+_ENTRY = np.int64(3)
+_SINGLES = np.int64(15 * BUNDLE + 6 * WIDTH + 9 * LANES + 3 * (WIDTH - 1) * (MAX_DEPTH + 4))
+BUNDLE_SCRATCH = 15 * BUNDLE + 6 * WIDTH + 9 * LANES + 3 * (WIDTH - 1) * (MAX_DEPTH + 4) + STACK
 
 # So few rays go on one by one: below a node, and in a leaf.
-_FEW, _FEW_IN_LEAF = np.int64(4), np.int64(6)
+_FEW, _FEW_IN_LEAF = np.int64(8), np.int64(12)
 
 _ZERO, _ONE = np.float32(0), np.float32(1)
 _NO_RAYS, _ONE_RAY = np.int64(0), np.int64(1)
@@ -93,23 +93,22 @@ class _Cone(NamedTuple):
 
 
 class _Bundle(NamedTuple):
-    """The origin, the rays whose directions are longest along x, y and z, and their cone."""
+    """The origin, the rays whose directions are longest along x, y and z, their cone, and where they end."""
 
     origin: object
     along_x: int
     along_y: int
     along_z: int
     cone: _Cone
-    reach: float
+    limit: float
 
 
 @device
-def set_ray_of_bundle(scratch, column, direction, limit):
-    """Write ray `column`: a direction of length 1 and where it ends."""
+def set_direction_of_bundle(scratch, column, direction):
+    """Write the direction of ray `column`, of length 1."""
     store_float(scratch, _DIRECTIONS + column, direction.x)
     store_float(scratch, _DIRECTIONS + _ROW + column, direction.y)
     store_float(scratch, _DIRECTIONS + 2 * _ROW + column, direction.z)
-    store_float(scratch, _LIMIT + column, limit)
 
 
 @device
@@ -154,7 +153,7 @@ def _prepare_group(scratch, at, origin, normal, place):
 
 
 @device
-def _prepare(scratch, count, along_x, along_y, origin, normal, reach):
+def _prepare(scratch, count, along_x, along_y, origin, normal, limit, reach):
     most = max(reach, max(abs(origin.x), max(abs(origin.y), abs(origin.z))))
     place = min(most * PLACE_SLACK, LARGEST)
     cosine = _ONE
@@ -166,7 +165,7 @@ def _prepare(scratch, count, along_x, along_y, origin, normal, reach):
     cosine -= _COSINE_SLACK
     cone = _Cone(normal.x, normal.y, normal.z, max(cosine, _ZERO), max(-cosine, _ZERO), place)
     x, y = leading(along_x), leading(along_x + along_y)
-    return _Bundle(origin, x, y & ~x, leading(count) & ~y, cone, reach)
+    return _Bundle(origin, x, y & ~x, leading(count) & ~y, cone, limit)
 
 
 @device
@@ -183,7 +182,7 @@ def _axis_planes(nodes, base, scratch, at, origin, n, place):
 
 
 @device
-def _reached_children(nodes, base, scratch, bundle, limit):
+def _reached_children(nodes, base, scratch, bundle):
     """Which children the bundle may reach, as bits; their planes are left in the scratch."""
     cone, o = bundle.cone, bundle.origin
     up_x, near_x, far_x = _axis_planes(nodes, base, scratch, np.int64(0), o.x, cone.nx, cone.place)
@@ -192,7 +191,7 @@ def _reached_children(nodes, base, scratch, bundle, limit):
     near = maximum(maximum(near_x, near_y), maximum(near_z, splat8(_ZERO)))
     up = up_x + up_y + up_z + splat8(cone.below) * (far_x + far_y + far_z) + splat8(cone.place)
     there = load8(nodes, base + LOWER) <= load8(nodes, base + UPPER)
-    return bits(there & (up >= near * splat8(cone.above)) & (near <= splat8(limit * FAR_SLACK)))
+    return bits(there & (up >= near * splat8(cone.above)) & (near <= splat8(bundle.limit * FAR_SLACK)))
 
 
 @device
@@ -204,7 +203,7 @@ def _slab(scratch, low, high, at):
 
 
 @device
-def _rays_into_child(scratch, child, rays):
+def _rays_into_child(scratch, child, limit, rays):
     """Those of the rays that enter a child whose planes are in the scratch."""
     at = _PLANES + child
     lx, hx = splat16(load_float(scratch, at)), splat16(load_float(scratch, at + 3 * WIDTH))
@@ -219,24 +218,17 @@ def _rays_into_child(scratch, child, rays):
         y0, y1 = _slab(scratch, ly, hy, _INVERSE + _ROW + column)
         z0, z1 = _slab(scratch, lz, hz, _INVERSE + 2 * _ROW + column)
         near = maximum(maximum(x0, y0), maximum(z0, splat16(_ZERO)))
-        far = minimum(minimum(x1, y1), minimum(z1, load16(scratch, _LIMIT + column)))
+        far = minimum(minimum(x1, y1), minimum(z1, splat16(limit)))
         entered |= np.int64(bits(near <= far * splat16(FAR_SLACK))) << column
     return entered & rays
 
 
 @device
-def _push(scratch, bottom, top, code, rays):
-    """Put a child on the stack, below those of its node that more rays enter. Returns the new top."""
-    count = np.int32(count_of(rays))
-    at = top
-    while at > bottom and load_int(scratch, at - _ENTRY + 3) > count:
-        for word in range(_ENTRY):
-            store_int(scratch, at + word, load_int(scratch, at - _ENTRY + word))
-        at -= _ENTRY
-    store_int(scratch, at, code)
-    store_int(scratch, at + 1, np.int32(rays & _LOW_WORD))
-    store_int(scratch, at + 2, np.int32(rays >> 32))
-    store_int(scratch, at + 3, count)
+def _push(scratch, top, code, rays):
+    """Put a node and the rays that enter it on the stack. Returns the new top."""
+    store_int(scratch, top, code)
+    store_int(scratch, top + 1, np.int32(rays & _LOW_WORD))
+    store_int(scratch, top + 2, np.int32(rays >> 32))
     return top + _ENTRY
 
 
@@ -263,12 +255,12 @@ def _sheared(scratch, bundle, i):
         kx,
         ky,
         kz,
-        splat4(_along(o, kx)),
-        splat4(_along(o, ky)),
-        splat4(_along(o, kz)),
-        splat4(load_float(scratch, _SHEARS + i)),
-        splat4(load_float(scratch, _SHEARS + _ROW + i)),
-        splat4(load_float(scratch, _SHEARS + 2 * _ROW + i)),
+        splat8(_along(o, kx)),
+        splat8(_along(o, ky)),
+        splat8(_along(o, kz)),
+        splat8(load_float(scratch, _SHEARS + i)),
+        splat8(load_float(scratch, _SHEARS + _ROW + i)),
+        splat8(load_float(scratch, _SHEARS + 2 * _ROW + i)),
     )
 
 
@@ -303,8 +295,8 @@ def _blocked_one_by_one(nodes, blocks, code, bundle, rays, scratch):
     while rays != 0:
         i = first_of(rays)
         rays &= rays - _ONE_RAY
-        limit = load_float(scratch, _LIMIT + i)
-        if any_below(nodes, blocks, code, _slabs(scratch, i), _sheared(scratch, bundle, i), limit, scratch, _SINGLES):
+        box, ray = _slabs(scratch, i), _sheared(scratch, bundle, i)
+        if any_below(nodes, blocks, code, box, ray, bundle.limit, scratch, _SINGLES):
             blocked |= _ONE_RAY << i
     return blocked
 
@@ -362,7 +354,7 @@ def _meet_triangle(scratch, lane, kx, ky, kz, sx, sy, sz, limit):
 
 
 @device
-def _blocked_along(scratch, kz, rays, reached):
+def _blocked_along(scratch, kz, limit, rays, reached):
     """Those of the rays, all with directions longest along axis `kz`, that meet triangles of the block in scratch."""
     kx = np.int64(kz + 1 if kz < 2 else 0)
     ky = np.int64(kx + 1 if kx < 2 else 0)
@@ -376,13 +368,12 @@ def _blocked_along(scratch, kz, rays, reached):
             load16(scratch, _SHEARS + _ROW + column),
             load16(scratch, _SHEARS + 2 * _ROW + column),
         )
-        limit = load16(scratch, _LIMIT + column)
         left = reached
         met = np.int32(0)
         while left != 0:
             lane = np.int64(lowest_bit(left))
             left &= left - np.int32(1)
-            met |= _meet_triangle(scratch, lane, kx, ky, kz, sx, sy, sz, limit)
+            met |= _meet_triangle(scratch, lane, kx, ky, kz, sx, sy, sz, splat16(limit))
         blocked |= (np.int64(met) << column) & of_group
     return blocked
 
@@ -390,65 +381,55 @@ def _blocked_along(scratch, kz, rays, reached):
 @device
 def _blocked_in_leaf(blocks, first, count, bundle, rays, scratch):
     """Those of the rays that meet a triangle in blocks first ≤ b < first + count."""
+    if count_of(rays) <= _FEW_IN_LEAF:
+        return _blocked_alone(blocks, first, count, bundle, rays, scratch)
     blocked = _NO_RAYS
     for block in range(first, first + count):
         left = rays & ~blocked
-        if left == 0:
-            break
         reached = _reached_triangles(blocks, block, scratch, bundle)
         if reached == 0:
             continue
-        if count_of(left) <= _FEW_IN_LEAF:
-            blocked |= _blocked_in_block(blocks, block, bundle, left, scratch)
-            continue
-        blocked |= _blocked_along(scratch, np.int64(0), left & bundle.along_x, reached)
-        blocked |= _blocked_along(scratch, np.int64(1), left & bundle.along_y, reached)
-        blocked |= _blocked_along(scratch, np.int64(2), left & bundle.along_z, reached)
+        blocked |= _blocked_along(scratch, np.int64(0), bundle.limit, left & bundle.along_x, reached)
+        blocked |= _blocked_along(scratch, np.int64(1), bundle.limit, left & bundle.along_y, reached)
+        blocked |= _blocked_along(scratch, np.int64(2), bundle.limit, left & bundle.along_z, reached)
     return blocked
 
 
 @device
-def _blocked_in_block(blocks, block, bundle, rays, scratch):
+def _blocked_alone(blocks, first, count, bundle, rays, scratch):
+    """`_blocked_in_leaf`, ray by ray."""
     blocked = _NO_RAYS
     while rays != 0:
         i = first_of(rays)
         rays &= rays - _ONE_RAY
-        met, _, _, _ = hit_block(blocks, block, _sheared(scratch, bundle, i), load_float(scratch, _LIMIT + i))
-        if met != 0:
+        if meets_blocks(blocks, first, first + count, _sheared(scratch, bundle, i), bundle.limit):
             blocked |= _ONE_RAY << i
     return blocked
 
 
 @device
-def blocked_of_bundle(nodes, blocks, root, origin, normal, count, along_x, along_y, limit, scratch):
-    """Which of the `count` rays in the scratch meet a triangle at 0 < t < their limits, as bits.
+def blocked_of_bundle(nodes, blocks, root, origin, normal, limit, count, along_x, along_y, scratch):
+    """Which of the `count` rays whose directions are in the scratch meet a triangle at 0 < t < `limit`, as a set.
 
-    The rays start at `origin`; the first `along_x` have directions longest along x, the next `along_y` along y, the
-    others along z. `normal`, of length 1, is one that most of them lie above; `limit` is the largest of theirs.
-    `scratch` is float32 of BUNDLE_SCRATCH words.
+    All start at `origin`; the first `along_x` have directions longest along x, the next `along_y` along y, the others
+    along z. `normal`, of length 1, is one that most of them lie above. `scratch` is float32 of BUNDLE_SCRATCH words.
     """
     reach = load_float(nodes, np.int64(root) * NODE + REACH)
-    bundle = _prepare(scratch, count, along_x, along_y, origin, normal, reach)
+    bundle = _prepare(scratch, count, along_x, along_y, origin, normal, limit, reach)
     free = leading(count)
     rays = free
     top = _STACK
     code = np.int32(root)
     while True:
-        if count_of(rays) <= _FEW:
-            free &= ~_blocked_one_by_one(nodes, blocks, code, bundle, rays, scratch)
-        elif code >= 0:
-            base = np.int64(code) * NODE
-            reached = _reached_children(nodes, base, scratch, bundle, limit)
-            bottom = top
-            while reached != 0:
-                child = np.int64(lowest_bit(reached))
-                reached &= reached - np.int32(1)
-                entered = _rays_into_child(scratch, child, rays)
-                if entered != 0:
-                    top = _push(scratch, bottom, top, load_int(nodes, base + CHILD + child), entered)
-        else:
+        if code < 0:
             leaf = np.int64(-1) - np.int64(code)
             free &= ~_blocked_in_leaf(blocks, leaf >> 3, leaf & 7, bundle, rays, scratch)
+        elif count_of(rays) <= _FEW:
+            free &= ~_blocked_one_by_one(nodes, blocks, code, bundle, rays, scratch)
+        else:
+            code, rays, top = _descend(nodes, np.int64(code) * NODE, bundle, rays, scratch, top)
+            if rays != 0:
+                continue
         while True:
             if top == _STACK or free == 0:
                 return leading(count) & ~free
@@ -457,3 +438,25 @@ def blocked_of_bundle(nodes, blocks, root, origin, normal, count, along_x, along
             if rays != 0:
                 code = load_int(scratch, top)
                 break
+
+
+@device
+def _descend(nodes, base, bundle, rays, scratch, top):
+    """(code, rays) of the child of a node that most of the rays enter, if any, and the new top of the stack, where the
+    other children are."""
+    reached = _reached_children(nodes, base, scratch, bundle)
+    code, most, entering = np.int32(0), _NO_RAYS, _NO_RAYS
+    while reached != 0:
+        child = np.int64(lowest_bit(reached))
+        reached &= reached - np.int32(1)
+        entered = _rays_into_child(scratch, child, bundle.limit, rays)
+        if entered == 0:
+            continue
+        other, count = load_int(nodes, base + CHILD + child), count_of(entered)
+        if entering == 0:
+            code, entering, most = other, entered, count
+            continue
+        more = count > most
+        top = _push(scratch, top, code if more else other, entering if more else entered)
+        code, entering, most = other if more else code, entered if more else entering, count if more else most
+    return code, entering, top

@@ -30,7 +30,7 @@ from isophote.kernels.base.simd import (
     store_float,
     store_int,
 )
-from isophote.kernels.forms.triangle import hit_block, shear
+from isophote.kernels.forms.triangle import hit_block, meets_blocks, shear, shear_for_pairs
 
 __all__ = ["FAR_SLACK", "Slabs", "any_below", "any_triangle", "closest_triangle", "enter_children", "slabs"]
 
@@ -190,7 +190,8 @@ def closest_triangle(nodes, blocks, root, origin, direction, t_max, stack, parts
 def any_triangle(nodes, blocks, root, origin, direction, t_max, stack, parts=None):
     """Whether the ray meets a triangle at 0 < t < `t_max`; see closest_triangle."""
     box = slabs(origin, direction, load_float(nodes, np.int64(root) * NODE + REACH))
-    return any_below(nodes, blocks, np.int32(root), box, shear(origin, direction), t_max, stack, _BOTTOM, parts)
+    ray = shear_for_pairs(origin, direction)
+    return any_below(nodes, blocks, np.int32(root), box, ray, t_max, stack, _BOTTOM, parts)
 
 
 @device
@@ -215,10 +216,8 @@ def any_below(nodes, blocks, root, box, ray, t_max, stack, bottom, parts=None):
             code = np.int64(-1) - np.int64(node)
             note_part(parts, code, stack, _NOTED)
             first = code >> 3
-            for block in range(first, first + (code & 7)):
-                met, _, _, _ = hit_block(blocks, block, ray, t_max)
-                if met != 0:
-                    return True
+            if meets_blocks(blocks, first, first + (code & 7), ray, t_max):
+                return True
         if top > bottom:
             top -= 1
             node = load_int(stack, top)

@@ -15,13 +15,15 @@ import numpy as np
 
 from isophote.kernels.accel.layout import BLOCK, LANES
 from isophote.kernels.base.jit import device
-from isophote.kernels.base.simd import bits, load4, maximum, minimum, splat4
+from isophote.kernels.base.simd import bits, load4, maximum, minimum, splat4, splat8
+from isophote.kernels.base.simd_pairs import joined
 from isophote.kernels.base.simd_product import product_difference
 
-__all__ = ["Shear", "hit_block", "shear"]
+__all__ = ["Shear", "hit_block", "meets_blocks", "shear", "shear_for_pairs"]
 
 _ZERO = np.float32(0)
 _ONE = np.float32(1)
+_A, _B, _C = np.int64(0), np.int64(1), np.int64(2)
 
 
 class Shear(NamedTuple):
@@ -44,26 +46,31 @@ def _component(v, k):
 
 
 @device
-def shear(origin, direction):
-    """The ray's `Shear`. Triangles are met from both sides, so it need not keep winding: a ray's x, y, z and those of
-    sixteen in accel/packet.py are in one order, and so are their roundings."""
+def _splits(origin, direction):
+    """What `Shear` holds, as single numbers."""
     ax, ay, az = abs(direction.x), abs(direction.y), abs(direction.z)
     kz = 0 if (ax >= ay and ax >= az) else (1 if ay >= az else 2)
     kx = kz + 1 if kz < 2 else 0
     ky = kx + 1 if kx < 2 else 0
-    along = _component(direction, kz)
-    sz = _ONE / along
-    return Shear(
-        np.int64(kx),
-        np.int64(ky),
-        np.int64(kz),
-        splat4(_component(origin, kx)),
-        splat4(_component(origin, ky)),
-        splat4(_component(origin, kz)),
-        splat4(_component(direction, kx) * sz),
-        splat4(_component(direction, ky) * sz),
-        splat4(sz),
-    )
+    sz = _ONE / _component(direction, kz)
+    sx, sy = _component(direction, kx) * sz, _component(direction, ky) * sz
+    ox, oy, oz = _component(origin, kx), _component(origin, ky), _component(origin, kz)
+    return np.int64(kx), np.int64(ky), np.int64(kz), ox, oy, oz, sx, sy, sz
+
+
+@device
+def shear(origin, direction):
+    """The ray's `Shear`. Triangles are met from both sides, so it need not keep winding: a ray's x, y, z and those of
+    sixteen in accel/packet.py are in one order, and so are their roundings."""
+    kx, ky, kz, ox, oy, oz, sx, sy, sz = _splits(origin, direction)
+    return Shear(kx, ky, kz, splat4(ox), splat4(oy), splat4(oz), splat4(sx), splat4(sy), splat4(sz))
+
+
+@device
+def shear_for_pairs(origin, direction):
+    """The ray's `Shear` for `meets_blocks`."""
+    kx, ky, kz, ox, oy, oz, sx, sy, sz = _splits(origin, direction)
+    return Shear(kx, ky, kz, splat8(ox), splat8(oy), splat8(oz), splat8(sx), splat8(sy), splat8(sz))
 
 
 @device
@@ -92,3 +99,43 @@ def hit_block(blocks, block, ray, t_max):
     t = (u * az + v * bz + w * cz) * ray.sz * scale
     met = inside & (t > zero) & (t < splat4(t_max))
     return bits(met), t, v * scale, w * scale
+
+
+@device
+def _pair(blocks, at, corner, axis):
+    """A coordinate of a corner of the triangles of two blocks, which begin at two words."""
+    step = corner * (3 * LANES) + axis * LANES
+    return joined(load4(blocks, at[0] + step), load4(blocks, at[1] + step))
+
+
+@device
+def _meets_pair(blocks, block, other, ray, t_max):
+    """Whether the ray meets any triangle of two blocks before `t_max`; bit for bit as `hit_block` has it."""
+    at = block * BLOCK, other * BLOCK
+    az = _pair(blocks, at, _A, ray.kz) - ray.oz
+    bz = _pair(blocks, at, _B, ray.kz) - ray.oz
+    cz = _pair(blocks, at, _C, ray.kz) - ray.oz
+    ax = (_pair(blocks, at, _A, ray.kx) - ray.ox) - ray.sx * az
+    bx = (_pair(blocks, at, _B, ray.kx) - ray.ox) - ray.sx * bz
+    cx = (_pair(blocks, at, _C, ray.kx) - ray.ox) - ray.sx * cz
+    ay = (_pair(blocks, at, _A, ray.ky) - ray.oy) - ray.sy * az
+    by = (_pair(blocks, at, _B, ray.ky) - ray.oy) - ray.sy * bz
+    cy = (_pair(blocks, at, _C, ray.ky) - ray.oy) - ray.sy * cz
+    u = product_difference(cx, by, cy, bx)
+    v = product_difference(ax, cy, ay, cx)
+    w = product_difference(bx, ay, by, ax)
+    zero = splat8(_ZERO)
+    inside = (minimum(u, minimum(v, w)) >= zero) | (maximum(u, maximum(v, w)) <= zero)
+    scale = splat8(_ONE) / (u + v + w)
+    t = (u * az + v * bz + w * cz) * ray.sz * scale
+    return bits(inside & (t > zero) & (t < splat8(t_max))) != 0
+
+
+@device
+def meets_blocks(blocks, first, last, ray, t_max):
+    """Whether the ray meets any triangle of blocks first ≤ b < last before `t_max`."""
+    block, met = first, False
+    while block < last and not met:
+        met = _meets_pair(blocks, block, min(block + 1, last - 1), ray, t_max)
+        block += 2
+    return met
