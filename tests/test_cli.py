@@ -83,7 +83,9 @@ def test_names_of_options_are_those_of_the_settings() -> None:
     assert tuple(pixel_filter.FILTERS) == options.FILTERS
     assert tuple(passes.PATTERNS) == options.PATTERNS
     assert {iso.Radiosity(method=name).method for name in options.SOLVERS} == set(options.SOLVERS)
-    assert {iso.Radiosity(form_factors=name).form_factors for name in options.FORM_FACTORS} == set(options.FORM_FACTORS)
+    assert {iso.Radiosity(method="shooting", form_factors=name).form_factors for name in options.FORM_FACTORS} == set(
+        options.FORM_FACTORS
+    )
     assert {iso.AmbientOcclusion(by=name).by for name in options.WAYS} == set(options.WAYS)
 
 

@@ -212,7 +212,13 @@ def test_plots_show_lobes() -> None:
 
 
 def test_bad_plots_are_refused() -> None:
-    for wrong in ({"angles": (95,)}, {"angles": ()}, {"angles": "x"}, {"size": (10, 10)}, {"angles": (1,) * 9}):
+    for wrong in (
+        {"angles_degrees": (95,)},
+        {"angles_degrees": ()},
+        {"angles_degrees": "x"},
+        {"size": (10, 10)},
+        {"angles_degrees": (1,) * 9},
+    ):
         with pytest.raises(iso.RenderError):
             iso.brdf_plot(iso.Matte(), **wrong)
     with pytest.raises(iso.RenderError, match="material"):

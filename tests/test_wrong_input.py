@@ -65,3 +65,55 @@ def test_a_bounce_that_there_is_not_is_refused(number):
         found.bounce(number)
     with pytest.raises(Error, match="camera must be"):
         found.image("from above")
+
+
+GREY = iso.ImageTexture(np.zeros((4, 4), np.float32))
+POINT_UVS = TILE.with_(attributes={"uv": np.zeros((4, 2))})
+
+
+@pytest.mark.parametrize(
+    ("call", "told"),
+    [
+        (lambda: iso.ImageTexture(np.zeros((2, 2), np.float32), wrap=("repeat",)), "one way, or two for u and v"),
+        (lambda: iso.NormalMap(iso.Matte(), GREY), "needs three channels.*iso.Bump takes heights"),
+        (lambda: iso.Blend("red", "blue", 3), "amount must be a number from 0 to 1"),
+        (lambda: iso.show_tree(TILE, "bvh", levels=[99]), "the bvh has levels 0 to"),
+        (lambda: iso.show_tree(TILE, "bvh", levels=[]), "the bvh has levels 0 to"),
+        (lambda: iso.bake_occlusion(POINT_UVS, size=8, samples=1), "no face has an area in texture coordinates"),
+        (lambda: iso.render(iso.Scene([]), iso.PathTrace(1)), "without items.*give it some"),
+        (lambda: iso.Tracer(TILE).closest("here", [(0, -1, 0)]), "origins must be numbers"),
+        (lambda: iso.Tracer(TILE).closest(RAY[0], None), "directions must"),
+        (lambda: iso.fresnel("steep", 1, 1.5), "angles must be numbers"),
+        (lambda: iso.fresnel(0.5, "air", 1.5), "outside must be numbers"),
+        (lambda: iso.Radiosity(form_factors="hemicube"), 'belongs to method="gathering" or "shooting"'),
+        (lambda: iso.texture_glsl(iso.Marble(), "main"), "no name of a GLSL function"),
+        (lambda: iso.selfcheck([]), "no topic is named"),
+    ],
+)
+def test_what_has_no_meaning_is_refused_with_what_mends_it(call, told):
+    with pytest.raises(Error, match=told):
+        call()
+
+
+def test_levels_deeper_than_the_depth_are_drawn():
+    shown = iso.show_tree(iso.to_mesh(iso.sphere(1), cell=0.2), "kdtree", depth=1, levels=[4], size=(64, 48))
+    assert len(shown.metadata["boxes by level"].split(",")) > 4
+
+
+def test_a_displacement_by_texture_coordinates_that_are_not_there_is_told():
+    picture = iso.ImageTexture(np.eye(4, dtype=np.float32))
+    item = iso.Item(TILE, iso.Matte(0.5), displacement=iso.Displacement(picture, 0.1, edge=0.5))
+    scene = SCENE.with_(items=[item])
+    with pytest.warns(iso.IsophoteWarning, match=r"items\[0\] has a texture that lies by texture coordinates"):
+        iso.render(scene, iso.RayTrace(samples=1), size=(8, 6))
+
+
+def test_a_picture_that_cannot_be_denoised_is_kept_with_a_warning(monkeypatch):
+    from isophote.rendering import denoise
+
+    monkeypatch.setattr(denoise, "_has_oidn", lambda: False)
+    method = iso.AmbientOcclusion(samples=4)
+    with pytest.warns(iso.IsophoteWarning, match="AmbientOcclusion does not tell what is noise") as found:
+        image = iso.render(SCENE, method, size=(16, 12), denoise=True)
+    assert [warning.filename for warning in found] == [__file__]
+    assert image == iso.render(SCENE, method, size=(16, 12)).with_(metadata=image.metadata)

@@ -71,6 +71,8 @@ def _chosen(topics: Iterable[str] | None) -> tuple[str, ...]:
     if topics is None:
         return tuple(TOPICS)
     asked = (topics,) if isinstance(topics, str) else tuple(topics)
+    if not asked:
+        raise RenderError(f"selfcheck: no topic is named; leave them out for all of {', '.join(TOPICS)}")
     for topic in asked:
         if topic not in TOPICS:
             raise RenderError(f"selfcheck: {topic!r} is not one of {', '.join(TOPICS)}")

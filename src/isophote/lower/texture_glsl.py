@@ -28,6 +28,23 @@ from isophote.shapes.field.field import Field
 __all__ = ["GlslTexture", "texture_glsl"]
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+# What a GLSL function cannot be called, of the names that come to mind.
+_TAKEN = {"main", "texture", "float", "int", "bool", "void", "vec2", "vec3", "vec4", "mat3", "mat4", "const", "uniform"}
+_TAKEN |= {
+    "in",
+    "out",
+    "inout",
+    "struct",
+    "switch",
+    "case",
+    "default",
+    "do",
+    "discard",
+    "noise",
+    "mix",
+    "step",
+    "clamp",
+}
 _IDENTITY = Transform.identity()
 _REGION = ((-1.0, -1.0, -1.0), (1.0, 1.0, 1.0))
 
@@ -51,7 +68,7 @@ def texture_glsl(texture: Texture, name: str = "texture_at") -> GlslTexture:
     at that place alone, without averaging. Raises `SceneError` for pictures, which have no formula, for fields of
     meshes, images or parameters, and for names that GLSL does not take.
     """
-    if not _NAME.fullmatch(name) or keyword.iskeyword(name) or name.startswith("gl_"):
+    if not _NAME.fullmatch(name) or keyword.iskeyword(name) or name.startswith("gl_") or name in _TAKEN:
         raise SceneError(f"texture_glsl: {name!r} is no name of a GLSL function; use letters, digits and underscores")
     writer = _Writer(name)
     top = writer.function(texture)

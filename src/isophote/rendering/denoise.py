@@ -14,7 +14,7 @@ from isophote.errors import RenderError
 from isophote.kernels.light.denoise import DENOISE, SCRATCH_PLANES, denoise_tile
 from isophote.rendering.pool import Pool, Tile, tiles_of
 
-__all__ = ["DENOISERS", "checked_denoiser", "denoised_colour", "nearness"]
+__all__ = ["DENOISERS", "can_be_denoised", "checked_denoiser", "denoised_colour", "nearness"]
 
 Floats: TypeAlias = npt.NDArray[np.float32]
 Channels: TypeAlias = Mapping[str, npt.NDArray[Any]]
@@ -42,6 +42,11 @@ def checked_denoiser(value: object) -> str | None:
 
 def _has_oidn() -> bool:
     return importlib.util.find_spec("pyoidn") is not None
+
+
+def can_be_denoised(channels: Channels, denoiser: str) -> bool:
+    """Whether a picture with these channels tells a denoiser what it asks for."""
+    return "variance" in channels or denoiser == "oidn" or (denoiser == "auto" and _has_oidn())
 
 
 def denoised_colour(

@@ -68,7 +68,8 @@ def _listed(names: list[str]) -> str:
 
 def _lacks_coordinates(item: Item) -> bool:
     """Whether a texture lies by coordinates that the shape has none of; primitives have some."""
-    if not any(_lies_by_coordinates(texture) for texture in textures_of(item.material)):
+    relief = [] if item.displacement is None else [item.displacement.texture]
+    if not any(_lies_by_coordinates(texture) for texture in (*textures_of(item.material), *relief)):
         return False
     if isinstance(item.shape, Mesh):
         return item.shape.uvs is None

@@ -54,9 +54,9 @@ class _Scale(NamedTuple):
 
 
 def brdf_plot(
-    material: Material, angles: Sequence[float] = (0.0, 30.0, 60.0, 80.0), size: tuple[int, int] = (640, 420)
+    material: Material, angles_degrees: Sequence[float] = (0.0, 30.0, 60.0, 80.0), size: tuple[int, int] = (640, 420)
 ) -> Image:
-    """A picture of a material's lobes in the plane of incidence, a colour for each angle of incidence in degrees.
+    """A picture of a material's lobes in the plane of incidence, a colour for each angle between light and normal.
 
     From the middle of the picture, where the surface is, each curve is as far as the reflectance f in that direction,
     mean of the channels, per steradian: linear, or on a scale of powers of ten where it spans many; rings tell values.
@@ -66,7 +66,7 @@ def brdf_plot(
     """
     if not isinstance(material, Material):
         raise RenderError(f"brdf_plot: give a material, such as a Metal, not {material!r}")
-    checked = _checked_angles(angles)
+    checked = _checked_angles(angles_degrees)
     width, height = checked_size(size)
     if min(width, height) < _LEAST_SIZE:
         raise RenderError(f"brdf_plot: size must be {_LEAST_SIZE} pixels or more each way, not {width} × {height}")
@@ -88,9 +88,11 @@ def _checked_angles(angles: Any) -> tuple[float, ...]:
     try:
         given = tuple(float(angle) for angle in angles)
     except (TypeError, ValueError):
-        raise RenderError(f"brdf_plot: angles must be a list of degrees, not {angles!r}") from None
+        raise RenderError(f"brdf_plot: angles_degrees must be a list of numbers, not {angles!r}") from None
     if not 1 <= len(given) <= _MOST_ANGLES or not all(0 <= angle <= 89.9 for angle in given):
-        raise RenderError(f"brdf_plot: angles must be 1 to {_MOST_ANGLES} numbers from 0 to 89.9, but are {given}")
+        raise RenderError(
+            f"brdf_plot: angles_degrees must be 1 to {_MOST_ANGLES} numbers from 0 to 89.9, but are {given}"
+        )
     return given
 
 

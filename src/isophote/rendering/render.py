@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import warnings
+
 from isophote import __version__
-from isophote.errors import RenderError
+from isophote.errors import IsophoteWarning, RenderError
 from isophote.lower.moments import lower_moments
 from isophote.progress import ProgressLike, reporter
-from isophote.rendering.denoise import checked_denoiser, denoised_colour
+from isophote.rendering.denoise import can_be_denoised, checked_denoiser, denoised_colour
 from isophote.rendering.features import PLACES, mean_features
 from isophote.rendering.field_plot import FieldPlot
 from isophote.rendering.image import Image
@@ -42,6 +44,7 @@ def render(
 
     `denoise` takes the noise out of the picture, as `Image.denoised` does but with features that are averaged over
     pixels: True by Open Image Denoise where it is installed, else by our own filter; "oidn" or "filter" by one of them.
+    Our filter leaves pictures of methods that tell no variance as they are, with a warning.
 
     Raises `RenderError` for sizes, seeds and methods that make no sense, `SceneError` for scenes.
     """
@@ -57,7 +60,9 @@ def render(
     scene = studio(subject, aspect=pixels[0] / pixels[1])
     with reporter(progress) as report:
         image = chosen.render(Job(scene, pixels, number, crew, report))
-        if denoiser is not None:
+        if denoiser is not None and not can_be_denoised(image.channels, denoiser):
+            _warn_of_noise(chosen)
+        elif denoiser is not None:
             report("denoising", 0.0)
             image = _denoised(image, scene, chosen, denoiser, crew)
             report("denoising", 1.0)
@@ -65,6 +70,16 @@ def render(
     if scene.name:
         metadata["scene"] = scene.name
     return image.with_(metadata=metadata)
+
+
+def _warn_of_noise(method: Method) -> None:
+    # What took long to make is not lost for it. At the call of iso.render.
+    warnings.warn(
+        f"{type(method).__name__} does not tell what is noise in its picture, so Isophote's filter leaves it as it is; "
+        'Open Image Denoise needs no telling: pip install "isophote[denoise]"',
+        IsophoteWarning,
+        stacklevel=3,
+    )
 
 
 def _denoised(image: Image, scene: Scene, method: Method, denoiser: str, threads: int | None) -> Image:

@@ -16,6 +16,7 @@ from isophote.errors import GeometryError, RenderError
 from isophote.rendering.image import Image
 from isophote.rendering.method import Size, checked_size
 from isophote.rendering.overlay import Line, overlaid
+from isophote.rendering.pool import checked_threads
 from isophote.rendering.ray_trace import RayTrace
 from isophote.rendering.render import render
 from isophote.scene.camera import AnyCamera
@@ -25,6 +26,8 @@ from isophote.shapes.mesh import Mesh
 __all__ = ["show_tree"]
 
 Points: TypeAlias = npt.NDArray[np.float64]
+
+_DEEPEST = 64
 
 
 def show_tree(
@@ -42,16 +45,18 @@ def show_tree(
     `accelerator` is "bvh", "bih" (which is built to the end first), "kdtree" (cells between planes), "bsp" (polyhedra
     between planes in any direction) or "grid" (cells that hold anything, and the grids within them).
     Levels go from blue through green to red; what lies behind the surface is faint. Levels of more than 8,192 boxes are
-    left out; the picture's metadata tells how many boxes each has. Raises `RenderError` for depths without meaning,
-    `GeometryError` for other accelerators.
+    left out; the picture's metadata tells how many boxes each has. Raises `RenderError` for depths without meaning and
+    levels that are not there, `GeometryError` for other accelerators.
     """
     if not isinstance(mesh, Mesh):
         raise RenderError(f"show_tree shows the tree over a mesh's triangles, but this is a {type(mesh).__name__}")
-    if isinstance(depth, bool) or not isinstance(depth, int | np.integer) or not 0 <= depth <= 64:
-        raise RenderError(f"show_tree: depth must be a whole number from 0 to 64, not {depth!r}")
+    if isinstance(depth, bool) or not isinstance(depth, int | np.integer) or not 0 <= depth <= _DEEPEST:
+        raise RenderError(f"show_tree: depth must be a whole number from 0 to {_DEEPEST}, not {depth!r}")
     pixels = checked_size(size)
-    found = _levels(mesh, accelerator, int(depth), threads)
-    chosen = range(len(found)) if levels is None else [k for k in levels if 0 <= k < len(found)]
+    crew = checked_threads(threads)
+    deepest = int(depth) if levels is None else max((int(depth), *(k for k in levels if _is_level(k))))
+    found = _levels(mesh, accelerator, deepest, crew)
+    chosen = range(len(found)) if levels is None else _chosen(levels, len(found), accelerator)
     scene = studio(mesh, aspect=pixels[0] / pixels[1])
     scene = scene if camera is None else scene.with_(camera=camera)
     view = render(scene, RayTrace(samples=4), size=pixels, progress=False, threads=threads)
@@ -60,6 +65,20 @@ def show_tree(
     image = overlaid(view, scene.camera, _lines(found, chosen))
     boxes = ", ".join(f"{level.cells}" for level in found)
     return image.with_(metadata={**view.metadata, "accelerator": accelerator, "boxes by level": boxes})
+
+
+def _is_level(level: object) -> bool:
+    return isinstance(level, int | np.integer) and not isinstance(level, bool) and 0 <= int(level) <= _DEEPEST
+
+
+def _chosen(levels: Sequence[int], count: int, accelerator: str) -> list[int]:
+    chosen = list(levels)
+    missing = [k for k in chosen if not _is_level(k) or k >= count]
+    if missing or not chosen:
+        raise RenderError(
+            f"show_tree: the {accelerator} has levels 0 to {count - 1}; levels must be some of them, not {levels!r}"
+        )
+    return chosen
 
 
 def _levels(mesh: Mesh, accelerator: str, depth: int, threads: int | None) -> list[Edges]:

@@ -250,8 +250,11 @@ def _rays(origins: npt.ArrayLike, directions: npt.ArrayLike, max_distance: npt.A
 
 def _triples(name: str, values: npt.ArrayLike) -> Floats:
     # What is too large for single precision becomes infinite, and is refused as such.
-    with np.errstate(over="ignore"):
-        array = np.atleast_2d(np.asarray(values, np.float32))
+    try:
+        with np.errstate(over="ignore"):
+            array = np.atleast_2d(np.asarray(values, np.float32))
+    except (TypeError, ValueError):
+        raise RenderError(f"{name} must be numbers of shape (n, 3), not {values!r}") from None
     if array.ndim != 2 or array.shape[1] != 3:
         raise RenderError(f"{name} must have shape (n, 3), but have {np.shape(values)}")
     return array

@@ -62,6 +62,8 @@ def _wrap(value: Any) -> Any:
 
 
 def _each_wrap(instance: Any, attribute: Any, value: Any) -> None:
+    if isinstance(value, list | tuple) and len(value) != 2:
+        raise SceneError(f"ImageTexture: wrap must be one way, or two for u and v, but is {value!r}")
     for way in value if isinstance(value, tuple) else (value,):
         one_of("repeat", "clamp", "mirror")(instance, attribute, way)
 

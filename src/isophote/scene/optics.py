@@ -51,14 +51,20 @@ def _share(a: Any, b: Any) -> Array:
 
 
 def _angles(angles: npt.ArrayLike) -> Array:
-    theta = np.asarray(angles, np.float64)
+    try:
+        theta = np.asarray(angles, np.float64)
+    except (TypeError, ValueError):
+        raise SceneError(f"fresnel: angles must be numbers, not {angles!r}") from None
     if not ((theta >= 0) & (theta <= _UPRIGHT)).all():
         raise SceneError("fresnel: angles must be in radians from 0 to π/2, between the ray and the normal")
     return theta
 
 
 def _index(name: str, value: npt.ArrayLike) -> npt.NDArray[np.complex128]:
-    index = np.asarray(value, np.complex128)
+    try:
+        index = np.asarray(value, np.complex128)
+    except (TypeError, ValueError):
+        raise SceneError(f"fresnel: the index of refraction {name} must be numbers, not {value!r}") from None
     if not (np.isfinite(index).all() and (index.real > 0).all()):
         raise SceneError(f"fresnel: the index of refraction {name} must be finite and above 0, but is {value!r}")
     # Both signs of the imaginary part are in use; light falls off either way.

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import attrs
 
+from isophote.errors import SceneError
 from isophote.scene.colour import WHITE
 from isophote.scene.fields import instance_of, one_of
 from isophote.scene.material_base import ColourParameter, colour_or_texture
@@ -32,13 +35,18 @@ class Ramp(Texture):
     between: str = attrs.field(default="linear", validator=one_of("linear", "smooth", "constant"))
 
 
+def _share(instance: Any, attribute: attrs.Attribute[Any], value: Any) -> None:
+    if isinstance(value, tuple) and max(value) > 1:
+        raise SceneError(f"Blend: amount must be a number from 0 to 1 or a texture, but is {value[0]!r}")
+
+
 @attrs.frozen
 class Blend(Texture):
     """a (1 − t) + b t, where t is the red channel of `amount`, from 0 to 1; all three colours, numbers or textures."""
 
     a: ColourParameter = attrs.field(default=_BLACK, converter=colour_or_texture)
     b: ColourParameter = attrs.field(default=WHITE, converter=colour_or_texture)
-    amount: ColourParameter = attrs.field(default=_GREY, converter=colour_or_texture)
+    amount: ColourParameter = attrs.field(default=_GREY, converter=colour_or_texture, validator=_share)
 
 
 @attrs.frozen(repr=False)

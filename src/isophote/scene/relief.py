@@ -25,6 +25,11 @@ def _part(instance: Any, attribute: attrs.Attribute[Any], value: Any) -> None:
 
 def _directions(instance: Any, attribute: attrs.Attribute[Any], value: Any) -> None:
     instance_of("a Texture", Texture)(instance, attribute, value)
+    if isinstance(value, ImageTexture) and value.channels == 1:
+        raise SceneError(
+            f"{type(instance).__name__}: {attribute.name} needs three channels, x, y and z of normals, but has one; "
+            "iso.Bump takes heights"
+        )
     if isinstance(value, ImageTexture) and value.colour_space != "linear":
         raise SceneError(
             f"{type(instance).__name__}: {attribute.name} holds directions, not colours; load it with "

@@ -201,7 +201,7 @@ class Scene:
     def bounds(self) -> Bounds:
         """(2, 3): a box in world space around all items; raises `SceneError` where there are none."""
         if not self.items:
-            raise SceneError("a scene without items has no bounds")
+            raise SceneError("a scene without items has no bounds: give it some, or a camera and lights to see by")
         boxes: dict[int, Bounds] = {}
         for item in self.items:
             if id(item.shape) not in boxes:

@@ -104,6 +104,10 @@ def _check_square(uvs: Points) -> None:
         )
     a, b = uvs[:, 1] - uvs[:, 0], uvs[:, 2] - uvs[:, 0]
     area = 0.5 * float(np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum())
+    if area == 0:
+        raise GeometryError(
+            "no face has an area in texture coordinates, so none has texels; isophote.unwrap(mesh) makes others"
+        )
     if area > 1 + _CROWDED:
         raise GeometryError(
             f"faces overlap in the atlas: they fill {area:.3g} times the unit square; isophote.unwrap(mesh) makes "

@@ -60,6 +60,13 @@ class Radiosity:
     form_factors: str = attrs.field(default="rays", validator=one_of(("rays", "hemicube", "hemisphere")))
     directions: int = attrs.field(default=4096, validator=whole(12, 2**20))
 
+    def __attrs_post_init__(self) -> None:
+        if self.method == "hierarchical" and self.form_factors != "rays":
+            raise RenderError(
+                f'Radiosity: form_factors={self.form_factors!r} belongs to method="gathering" or "shooting"; '
+                "the hierarchy links patches by rays and closed forms of its own"
+            )
+
     def render(self, job: Job) -> Image:
         """The picture of the balance of light."""
         scene = job.scene.still()
