@@ -12,7 +12,7 @@ from accelerator_rays import rays_at
 from isophote.accel.accelerator import Built, build_accelerator
 from isophote.accel.treelets import CHILDREN, PLANES, ROOT, leaf_lanes, parted, plane_lanes
 from isophote.kernels.accel.bsp_cell import CELL, CELL_WORK, areas_of_cut, cell_area, cell_extent, cut_cell, start_cell
-from isophote.kernels.accel.bsp_layout import CODES, SLANTED, TOLERANCE, TREELET
+from isophote.kernels.accel.bsp_layout import CODES, PLACES, SLANTED, TOLERANCE, TREELET
 from isophote.kernels.accel.bsp_polygon import Plane
 from isophote.kernels.accel.layout import BLOCK, LANES, NUMBER
 from trees import GEOMETRIES, Geometry, soup
@@ -104,7 +104,7 @@ def leaves_at(built: Built, point: np.ndarray, within: float) -> set[int]:
             found.update(triangles_of(built, node)[0])
             continue
         height = plane[:3] @ point - plane[3]
-        lower, upper = (int(side[0]) for side in parted(node, codes))
+        lower, upper = (int(side[0]) for side in parted(node, words[:, PLACES:CODES], codes))
         if height <= within:
             pending.append(lower)
         if height >= -within:
@@ -165,7 +165,7 @@ def test_memory_and_depth_are_bounded(geometry):
         inner = np.isfinite(planes[:, 3])
         references += sum(map(len, triangles_of(built, nodes[~inner])))
         assert np.allclose(np.linalg.norm(planes[inner, :3], axis=1), 1, rtol=0, atol=2e-7)
-        nodes = np.concatenate(parted(nodes[inner], codes))
+        nodes = np.concatenate(parted(nodes[inner], words[:, PLACES:CODES], codes))
     assert len(nodes) == 0
     assert references <= 6 * count + LANES
     assert made <= 8 * count + 16

@@ -48,10 +48,11 @@ _LEAST_EXTENT = 1e-4
 
 
 class _Subtree(NamedTuple):
-    """Nodes, of which the first is the root and the second none, planes and references of leaves; and what was left
-    waiting: tasks, their cells and parts."""
+    """Nodes, of which the first is the root and the second none, areas of their cells, planes and references of leaves;
+    and what was left waiting: tasks, their cells and parts."""
 
     nodes: IntArray
+    areas: FloatArray
     planes: FloatArray
     references: IntArray
     waiting: Rows
@@ -64,7 +65,8 @@ def _build(positions: FloatArray, triangles: IntArray, threads: int | None) -> B
     corners = positions[triangles.reshape(-1)]
     bounds = np.stack([corners.min(axis=0, initial=np.inf), corners.max(axis=0, initial=-np.inf)]).astype(np.float32)
     if count == 0:
-        table = _table(np.array([[0, LEAF]], np.int32), np.zeros((0, PLANE), np.float32), np.zeros((2, 3), np.float32))
+        none = np.zeros((0, PLANE), np.float32)
+        table = _table(np.array([[0, LEAF]], np.int32), np.zeros(1, np.float32), none, np.zeros((2, 3), np.float32))
         return Built(table, np.empty(0, np.float32), bounds)
     flat = positions.reshape(-1), triangles.reshape(-1), float(np.abs(bounds).max())
     with crew(threads, count) as run:
@@ -82,16 +84,16 @@ def _build(positions: FloatArray, triangles: IntArray, threads: int | None) -> B
             return _grow(flat, top.parked[first : first + words], task, top.cells[number], 0, deepest)
 
         below = run(subtree, [(number,) for number in range(len(top.waiting))])
-    nodes, planes, references = _joined(top, below)
+    nodes, areas, planes, references = _joined(top, below)
     slots = _into_blocks(nodes, references)
-    return Built(_table(nodes, planes, bounds), blocks_of(positions, triangles, slots, threads), bounds)
+    return Built(_table(nodes, areas, planes, bounds), blocks_of(positions, triangles, slots, threads), bounds)
 
 
-def _table(nodes: IntArray, planes: FloatArray, bounds: FloatArray) -> Any:
+def _table(nodes: IntArray, areas: FloatArray, planes: FloatArray, bounds: FloatArray) -> Any:
     """The table of a tree of such nodes and (n, PLANE) slanted planes."""
     kinds = nodes[:, 1] & KINDS
     child = np.where(kinds == LEAF, MISSING, nodes[:, 1] >> SHIFT).astype(np.int32)
-    tree = treelets_of(child, nodes[:, 0], nodes[:, 1] >> SHIFT)
+    tree = treelets_of(child, areas, nodes[:, 0], nodes[:, 1] >> SHIFT)
     there, missing = tree.planes != MISSING, [0, 0, 0, np.inf]
     words = np.zeros((len(tree.planes), TREELET), np.float32)
     rows = np.where(there[..., None], _planes_of(nodes, planes)[tree.planes], missing)
@@ -135,16 +137,33 @@ def _grow(
     tasks, cells = np.zeros((deepest + 8, TASK), np.int64), np.empty((deepest + 8) * CELL)
     tasks[0], cells[:CELL] = task, cell
     most = _MOST_NODES * count + 16
-    nodes, planes = np.empty(most * NODE, np.float32), np.empty(most // 2 * PLANE, np.float32)
+    nodes, areas = np.empty(most * NODE, np.float32), np.zeros(most, np.float32)
+    planes = np.empty(most // 2 * PLANE, np.float32)
     nodes.view(np.int32)[: 2 * NODE] = [0, LEAF, 0, LEAF]
     references = np.empty(budget, np.int32)
     used = np.array([2, 0, 0, 0, 0], np.int64)
     parked = np.empty(2 * len(arena) if grain else 0)
     waiting = np.empty((64 * (count // grain) + 64 if grain else 0, TASK), np.int64)
     waiting_cells = np.empty((len(waiting), CELL))
-    grow(*flat, arena, tasks, cells, nodes, planes, references, used, parked, waiting, waiting_cells, grain, deepest)
+    grow(
+        *flat,
+        arena,
+        tasks,
+        cells,
+        nodes,
+        areas,
+        planes,
+        references,
+        used,
+        parked,
+        waiting,
+        waiting_cells,
+        grain,
+        deepest,
+    )
     return _Subtree(
         nodes[: used[0] * NODE].view(np.int32).reshape(-1, NODE).copy(),
+        areas[: used[0]].copy(),
         planes[: used[2] * PLANE].copy(),
         references[: used[1]].copy(),
         waiting[: used[4]].copy(),
@@ -153,9 +172,9 @@ def _grow(
     )
 
 
-def _joined(top: _Subtree, below: list[_Subtree]) -> tuple[IntArray, FloatArray, IntArray]:
-    """The whole tree's nodes, planes and references: those near the root, then every subtree's."""
-    nodes, planes, references = [top.nodes], [top.planes], [top.references]
+def _joined(top: _Subtree, below: list[_Subtree]) -> tuple[IntArray, FloatArray, FloatArray, IntArray]:
+    """The whole tree's nodes, areas, planes and references: those near the root, then every subtree's."""
+    nodes, areas, planes, references = [top.nodes], [top.areas], [top.planes], [top.references]
     node, plane, reference = len(top.nodes), len(top.planes) // PLANE, len(top.references)
     for root, part in zip(top.waiting[:, 0].tolist(), below, strict=True):
         own = part.nodes
@@ -163,14 +182,16 @@ def _joined(top: _Subtree, below: list[_Subtree]) -> tuple[IntArray, FloatArray,
         own[kinds == LEAF, 0] += reference
         own[kinds == SLANTED, 0] += plane
         own[kinds != LEAF, 1] += (node - 2) << SHIFT
-        top.nodes[root] = own[0]
+        top.nodes[root], top.areas[root] = own[0], part.areas[0]
         nodes.append(own[2:])
+        areas.append(part.areas[2:])
         planes.append(part.planes)
         references.append(part.references)
         node += len(own) - 2
         plane += len(part.planes) // PLANE
         reference += len(part.references)
-    return np.concatenate(nodes), np.concatenate(planes).reshape(-1, PLANE), np.concatenate(references)
+    joined = np.concatenate(planes).reshape(-1, PLANE)
+    return np.concatenate(nodes), np.concatenate(areas), joined, np.concatenate(references)
 
 
 def _into_blocks(nodes: IntArray, references: IntArray) -> IntArray:

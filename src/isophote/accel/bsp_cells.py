@@ -39,7 +39,7 @@ def bsp_levels(built: Built, depth: int, most: int) -> list[list[Cell]]:
         for k in inner:
             *normal, place = planes[treelets[k], :, lanes[k]]
             parts += [_below(cells[k], sign * np.array(normal), sign * place) for sign in (1.0, -1.0)]
-        numbers, cells = np.stack(parted(numbers[inner], codes), axis=1).reshape(-1), parts
+        numbers, cells = np.stack(parted(numbers[inner], words[:, PLACES:CODES], codes), axis=1).reshape(-1), parts
         levels.append(cells)
     return levels
 

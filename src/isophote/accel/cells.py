@@ -103,7 +103,7 @@ def _kd_levels(built: Built, depth: int) -> list[Level]:
         below, above = boxes[inner].copy(), boxes[inner].copy()
         below[row, 1, axis] = above[row, 0, axis] = words[treelet, lane]
         boxes = np.concatenate([below, above])
-        numbers = np.concatenate(parted(numbers[inner], codes))
+        numbers = np.concatenate(parted(numbers[inner], words[:, :CODES], codes))
         levels.append(boxes)
     return levels
 

@@ -31,10 +31,11 @@ _MOST_NODES = 8
 
 
 class _Subtree(NamedTuple):
-    """Nodes, of which the first is the root and the second none, and references of leaves; and what was left waiting:
-    tasks, their boxes and events."""
+    """Nodes, of which the first is the root and the second none, areas of their boxes, and references of leaves; and
+    what was left waiting: tasks, their boxes and events."""
 
     nodes: IntArray
+    areas: FloatArray
     references: IntArray
     waiting: Rows
     boxes: FloatArray
@@ -46,7 +47,7 @@ def _build(positions: FloatArray, triangles: IntArray, threads: int | None) -> B
     corners = positions[triangles.reshape(-1)]
     bounds = np.stack([corners.min(axis=0, initial=np.inf), corners.max(axis=0, initial=-np.inf)]).astype(np.float32)
     if count == 0:
-        table = _table(np.array([[0, LEAF]], np.int32), np.zeros((2, 3), np.float32))
+        table = _table(np.array([[0, LEAF]], np.int32), np.zeros(1, np.float32), np.zeros((2, 3), np.float32))
         return Built(table, np.empty(0, np.float32), bounds)
     flat = positions.reshape(-1), triangles.reshape(-1)
     with crew(threads, count) as run:
@@ -63,16 +64,16 @@ def _build(positions: FloatArray, triangles: IntArray, threads: int | None) -> B
             return _grow(flat, top.parked[first : first + total], task, top.boxes[number], 0, deepest)
 
         parts = run(subtree, [(number,) for number in range(len(top.waiting))])
-    nodes, references = _joined(top, parts)
+    nodes, areas, references = _joined(top, parts)
     slots = _into_blocks(nodes, references)
-    return Built(_table(nodes, bounds), blocks_of(positions, triangles, slots, threads), bounds)
+    return Built(_table(nodes, areas, bounds), blocks_of(positions, triangles, slots, threads), bounds)
 
 
-def _table(nodes: IntArray, bounds: FloatArray) -> Any:
+def _table(nodes: IntArray, areas: FloatArray, bounds: FloatArray) -> Any:
     """The table of a tree of such nodes."""
     kinds = nodes[:, 1] & 3
     child = np.where(kinds == LEAF, MISSING, nodes[:, 1] >> 2).astype(np.int32)
-    tree = treelets_of(child, nodes[:, 0], nodes[:, 1] >> 2)
+    tree = treelets_of(child, areas, nodes[:, 0], nodes[:, 1] >> 2)
     there = tree.planes != MISSING
     words = np.zeros((len(tree.planes), TREELET), np.int32)
     words[:, :PLANES] = np.where(there, nodes[tree.planes, 0], np.float32(np.inf).view(np.int32))
@@ -118,14 +119,16 @@ def _grow(
     tasks[0, 0] = 0
     nodes = np.empty((_MOST_NODES * count + 16) * NODE, np.float32)
     nodes.view(np.int32)[: 2 * NODE] = [0, LEAF, 0, LEAF]
+    areas = np.zeros(len(nodes) // NODE, np.float32)
     references = np.empty(budget, np.int32)
     used = np.array([2, 0, 0, 0], np.int64)
     most = budget if grain else 0
     parked = np.empty(6 * most, np.uint64)
     waiting, waiting_boxes = np.empty((most, TASK), np.int64), np.empty((most, 6), np.float32)
-    grow(*flat, arena, tasks, boxes, nodes, references, used, parked, waiting, waiting_boxes, grain, deepest)
+    grow(*flat, arena, tasks, boxes, nodes, areas, references, used, parked, waiting, waiting_boxes, grain, deepest)
     return _Subtree(
         nodes[: used[0] * NODE].view(np.int32).reshape(-1, NODE).copy(),
+        areas[: used[0]].copy(),
         references[: used[1]].copy(),
         waiting[: used[3]].copy(),
         waiting_boxes[: used[3]].copy(),
@@ -133,21 +136,22 @@ def _grow(
     )
 
 
-def _joined(top: _Subtree, parts: list[_Subtree]) -> tuple[IntArray, IntArray]:
-    """The whole tree's nodes and references: those near the root, then every subtree's."""
-    nodes, references = [top.nodes], [top.references]
+def _joined(top: _Subtree, parts: list[_Subtree]) -> tuple[IntArray, FloatArray, IntArray]:
+    """The whole tree's nodes, areas and references: those near the root, then every subtree's."""
+    nodes, areas, references = [top.nodes], [top.areas], [top.references]
     node, reference = len(top.nodes), len(top.references)
     for root, part in zip(top.waiting[:, 0].tolist(), parts, strict=True):
         own = part.nodes
         leaf = (own[:, 1] & 3) == LEAF
         own[leaf, 0] += reference
         own[~leaf, 1] += 4 * (node - 2)
-        top.nodes[root] = own[0]
+        top.nodes[root], top.areas[root] = own[0], part.areas[0]
         nodes.append(own[2:])
+        areas.append(part.areas[2:])
         references.append(part.references)
         node += len(own) - 2
         reference += len(part.references)
-    return np.concatenate(nodes), np.concatenate(references)
+    return np.concatenate(nodes), np.concatenate(areas), np.concatenate(references)
 
 
 def _into_blocks(nodes: IntArray, references: IntArray) -> IntArray:

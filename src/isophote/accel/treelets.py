@@ -7,6 +7,8 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from isophote.kernels.accel.treelet_build import cut_into_treelets
+
 __all__ = ["CHILDREN", "MISSING", "PLANES", "ROOT", "Treelets", "leaf_lanes", "parted", "plane_lanes", "treelets_of"]
 
 PLANES, CHILDREN = 7, 8
@@ -17,9 +19,8 @@ MISSING = -1
 ROOT = 1
 
 IntArray: TypeAlias = npt.NDArray[np.int32]
+FloatArray: TypeAlias = npt.NDArray[np.float32]
 Numbers: TypeAlias = npt.NDArray[np.int64]
-# Where the planes of a treelet's levels stand among its seven, from side to side.
-_LEVELS = ([3], [1, 5], [0, 2, 4, 6])
 _LANES = np.array([0, 3, 1, 5, 0, 2, 4, 6, *[PLANES] * 8])
 _COUNT_BITS, _MOST_COUNT, _MOST_FIRST = 5, 31, 1 << 26
 
@@ -34,36 +35,18 @@ class Treelets(NamedTuple):
     leaves: IntArray
 
 
-def treelets_of(child: IntArray, firsts: IntArray, counts: IntArray) -> Treelets:
-    """The treelets of a binary tree, whose root is node 0. `child` is the number of each node's lower child, the upper
-    one being next, or MISSING for leaves, `firsts` and `counts` the first block and the number of triangles of leaves;
-    those without any are left out."""
+def treelets_of(child: IntArray, areas: FloatArray, firsts: IntArray, counts: IntArray) -> Treelets:
+    """The treelets of a binary tree, whose root is node 0.
+
+    `child` is the number of each node's lower child, which comes after it, the upper one being next, or MISSING for
+    leaves; `areas` are those of nodes' cells, `firsts` and `counts` the first block and the number of triangles of
+    leaves; those without any are left out.
+    """
     leaf_codes, leaves = _leaf_codes(child, firsts, counts)
-    levels, roots, made = [], np.zeros(1, np.int32), 0
-    while len(roots):
-        planes, below = _opened(child, roots)
-        there = below != MISSING
-        inner = there & (child[below] != MISSING)
-        codes = np.where(there & ~inner, leaf_codes[below], 0).astype(np.int32)
-        made += len(roots)
-        codes[inner] = made + np.arange(np.count_nonzero(inner))
-        levels.append((planes, codes, inner | (codes < 0)))
-        roots = below[inner]
-    planes, codes, present = (np.concatenate(parts) for parts in zip(*levels, strict=True))
-    return Treelets(planes, codes, present, leaves)
-
-
-def _opened(child: IntArray, roots: IntArray) -> tuple[IntArray, IntArray]:
-    """Nodes with the planes of the treelets from `roots` on, and those below them."""
-    planes = np.full((len(roots), PLANES), MISSING, np.int32)
-    nodes = roots[:, None]
-    for places in _LEVELS:
-        lower = np.where(nodes == MISSING, MISSING, child[nodes])
-        inner = lower != MISSING
-        planes[:, places] = np.where(inner, nodes, MISSING)
-        pairs = np.stack([np.where(inner, lower, nodes), np.where(inner, lower + 1, MISSING)], axis=2)
-        nodes = pairs.reshape(len(roots), -1)
-    return planes, nodes
+    most = max(1, int(np.count_nonzero(child != MISSING)))
+    planes, codes = np.empty((most, PLANES), np.int32), np.empty((most, CHILDREN), np.int32)
+    made = cut_into_treelets(child, areas, leaf_codes, planes, codes)
+    return Treelets(planes[:made], codes[:made], codes[:made] != 0, leaves)
 
 
 def _leaf_codes(child: IntArray, firsts: IntArray, counts: IntArray) -> tuple[IntArray, IntArray]:
@@ -87,12 +70,13 @@ def leaf_lanes(nodes: Numbers) -> tuple[Numbers, Numbers]:
     return nodes >> 4, (own << np.array([0, 3, 2, 2, 1, 1, 1, 1, *[0] * 8])[own]) - 8
 
 
-def parted(nodes: Numbers, codes: IntArray) -> tuple[Numbers, Numbers]:
-    """The lower and the upper children of nodes with planes; `codes` (k, 8) are those of the treelets."""
+def parted(nodes: Numbers, places: FloatArray, codes: IntArray) -> tuple[Numbers, Numbers]:
+    """The lower and the upper children of nodes with planes; `places` (k, 8) of the treelets' planes, infinite where
+    they are missing, the last column being free, and `codes` (k, 8)."""
     treelet, lower = nodes >> 4, 2 * (nodes & 15)
-    below = [codes[treelet, np.maximum(lower + side - 8, 0)].astype(np.int64) for side in (0, 1)]
-    sides = [
-        np.where((lower >= 8) & (code > 0), 16 * code + ROOT, 16 * treelet + lower + side)
-        for side, code in enumerate(below)
-    ]
+    sides = []
+    for own in (lower, lower + 1):
+        code = codes[leaf_lanes(16 * treelet + own)].astype(np.int64)
+        whole = (own >= 8) | np.isinf(places[treelet, _LANES[own]])
+        sides.append(np.where(whole & (code > 0), 16 * code + ROOT, 16 * treelet + own))
     return sides[0], sides[1]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from isophote.kernels.accel.bsp_cell import CELL, CELL_WORK, cut_cell, start_cell
+from isophote.kernels.accel.bsp_cell import CELL, CELL_WORK, cell_area, cut_cell, start_cell
 from isophote.kernels.accel.bsp_layout import LEAF, PLANE, SHIFT, SLANTED, TOLERANCE
 from isophote.kernels.accel.bsp_planes import MOST_DIRECTIONS, MOST_PICKED, PROFILE, best_plane, no_plane
 from isophote.kernels.accel.bsp_polygon import MOST_CORNERS, cut_box, cut_polygon, extent_along, is_boxed
@@ -138,15 +138,16 @@ def _park(tasks, top, cells, arena, parked, waiting, waiting_cells, used):
 
 @kernel
 def grow(
-    positions, triangles, reach, arena, tasks, cells, nodes, planes, leaves, used,
+    positions, triangles, reach, arena, tasks, cells, nodes, areas, planes, leaves, used,
     parked, waiting, waiting_cells, grain, deepest,
 ):  # fmt: skip
     """Grow the node that is tasks[0] with the cell at word 0 of `cells` until all below it is leaves.
 
-    Its parts lie from word 0 of `arena` on. `nodes` are written from number used[0] on, references of leaves from
-    used[1] on, `planes` from number used[2] on. Where `grain` > 0, nodes of at most so many parts are not split, but
-    become rows of `waiting` and `waiting_cells`, their parts put to `parked`, while there is room. Leaves `used`:
-    nodes, references, planes, words of parked parts, waiting nodes.
+    Its parts lie from word 0 of `arena` on. `nodes`, and the `areas` of their cells, are written from
+    number used[0] on, references of leaves from used[1] on, `planes` from number used[2] on. Where
+    `grain` > 0, nodes of at most so many parts are not split, but become rows of `waiting` and `waiting_cells`, their
+    parts put to `parked`, while there is room. Leaves `used`: nodes, references, planes, words of parked parts, waiting
+    nodes.
     """
     beside, cell, work = np.empty(arena.size, np.float64), np.empty(CELL, np.float64), np.empty(CELL_WORK, np.float64)
     scratch = (
@@ -166,6 +167,7 @@ def grow(
         if grain > 0 and count <= grain and used[3] + words <= parked.size and used[4] < waiting.shape[0]:
             _park(tasks, top, cells, arena, parked, waiting, waiting_cells, used)
             continue
+        areas[node] = cell_area(cells, top * CELL)
         # Two sides have at most twice the words, and three more for each part that is cut, to either side.
         fits = first + 2 * words + 6 * count <= arena.size and 2 * (used[0] + 2) <= nodes.size
         split, upper, lower, middle, end = False, np.int64(0), np.int64(0), np.int64(0), np.int64(0)

@@ -19,7 +19,7 @@ from isophote.kernels.accel.kd_layout import (
     event_kind,
     event_triangle,
 )
-from isophote.kernels.accel.kd_sweep import BOTH, LOWER_SIDE, UPPER_SIDE, best_split, classify, leaf_cost
+from isophote.kernels.accel.kd_sweep import BOTH, LOWER_SIDE, UPPER_SIDE, best_split, box_area, classify, leaf_cost
 from isophote.kernels.base.jit import device, kernel
 from isophote.kernels.base.simd import store_float, store_int
 
@@ -201,13 +201,27 @@ def _park(tasks, boxes, top, arena, parked, waiting, waiting_boxes, used):
 
 @kernel
 def grow(
-    positions, triangles, arena, tasks, boxes, nodes, leaves, used, parked, waiting, waiting_boxes, grain, deepest
+    positions,
+    triangles,
+    arena,
+    tasks,
+    boxes,
+    nodes,
+    areas,
+    leaves,
+    used,
+    parked,
+    waiting,
+    waiting_boxes,
+    grain,
+    deepest,
 ):
     """Grow the node that is tasks[0] with the box boxes[0] until all below it is leaves.
 
-    Its events lie from word 0 of `arena` on. `nodes` are written from number used[0] on, references of leaves from
-    used[1] on. Where `grain` > 0, nodes of at most so many triangles are not split, but become rows of `waiting` and
-    `waiting_boxes`, their events put to `parked`. Leaves `used`: nodes, references, parked events, waiting nodes.
+    Its events lie from word 0 of `arena` on. `nodes`, and the `areas` of their boxes, are written from number
+    used[0] on, references of leaves from used[1] on. Where `grain` > 0, nodes of at most so many triangles are not
+    split, but become rows of `waiting` and `waiting_boxes`, their events put to `parked`. Leaves `used`: nodes,
+    references, parked events, waiting nodes.
     """
     most = tasks[0, _BUDGET]
     sides = np.empty(triangles.size // 3, np.uint8)
@@ -226,6 +240,7 @@ def grow(
             box[k] = boxes[top, k]
         for k in range(3):
             given[k] = tasks[top, _COUNTS + k]
+        areas[node] = box_area(box)
         split = best_split(arena, first, given, count, box)
         fits = split.lower + split.upper <= budget and 2 * (used[0] + 2) <= nodes.size
         if level >= deepest or not fits or not split.cost < leaf_cost(count):

@@ -15,7 +15,7 @@ from isophote.kernels.accel.kd_layout import END, PLANAR, START, event_kind, eve
 from isophote.kernels.accel.layout import LANES
 from isophote.kernels.base.jit import device
 
-__all__ = ["BOTH", "LOWER_SIDE", "UPPER_SIDE", "Split", "best_split", "classify", "leaf_cost"]
+__all__ = ["BOTH", "LOWER_SIDE", "UPPER_SIDE", "Split", "best_split", "box_area", "classify", "leaf_cost"]
 
 # What a leaf costs, where a step through an inner node costs 1: entering it and testing a block of triangles. By
 # measurement of rays, as all of these; docs/design/accelerators.md has the numbers.
@@ -61,6 +61,13 @@ def _extents(box):
     z = np.float64(box[5]) - np.float64(box[2])
     least = 1e-4 * max(x, max(y, z))
     return max(x, least), max(y, least), max(z, least)
+
+
+@device
+def box_area(box):
+    """Half the surface of a box, flat ones widened a little."""
+    x, y, z = _extents(box)
+    return x * y + y * z + z * x
 
 
 @device
