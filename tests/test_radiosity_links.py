@@ -114,9 +114,10 @@ def test_light_along_links_is_what_each_leaf_would_get_by_itself(
     made = []
     build = Expansion.__init__
 
-    def kept(self: Expansion, tree: PatchTree, *rest: object) -> None:
-        build(self, tree, *rest)  # type: ignore[arg-type]
-        made.append((self, tree, rest))
+    def kept(self: Expansion, tree: PatchTree, *rest: object, whole: bool = False) -> None:
+        build(self, tree, *rest, whole=whole)  # type: ignore[arg-type]
+        if not whole:
+            made.append((self, tree, rest))
 
     monkeypatch.setattr(Expansion, "__init__", kept)
     balls = [iso.Item(icosphere(2, radius=0.4), iso.Matte(0.5)).translate((0.2, 0.5, 0.1))] if ball else []

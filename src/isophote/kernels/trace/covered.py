@@ -16,7 +16,7 @@ from isophote.kernels.trace.exchange import open_patches
 from isophote.kernels.trace.tables import SCENE
 from isophote.kernels.trace.wave import row_vec3, set_row_vec3
 
-__all__ = ["find_covered"]
+__all__ = ["find_covered", "leaves_solid"]
 
 _GRID, _CELLS = 4, 16
 _FAR, _ZERO = np.float32(np.inf), np.float32(0)
@@ -25,7 +25,7 @@ open_scene, open_wave = SCENE.open, rows.WAVE.open
 
 
 @device
-def _leaves_solid(scene, wave, solid, i):
+def leaves_solid(scene, wave, solid, i):
     """Whether the ray of column i first meets a solid from within."""
     slot = wave.longs[rows.HIT_SLOT, i]
     if slot < 0:
@@ -62,6 +62,6 @@ def find_covered(scene_words, patch_words, wave_words, nodes, solid, found, firs
         trace_rays(scene, wave, _CELLS, True)
         bits = np.int32(0)
         for cell in range(_CELLS):
-            if _leaves_solid(scene, wave, solid, cell):
+            if leaves_solid(scene, wave, solid, cell):
                 bits |= np.int32(1 << cell)
         found[i] = bits

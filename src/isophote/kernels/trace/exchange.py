@@ -28,7 +28,7 @@ from isophote.kernels.trace.shaft import SHAFT, sees_all
 from isophote.kernels.trace.tables import SCENE
 from isophote.kernels.trace.wave import set_row_vec3
 
-__all__ = ["PATCHES", "exchanges", "lit_shares", "open_patches"]
+__all__ = ["PATCHES", "exchanges", "face_of", "leaf_at", "lit_shares", "open_patches"]
 
 # Nodes: `corners` (n, 12), `sides` (n,) 3 or 4, 0 for clusters; `normals`, `centres` (n, 3); `axes` (n, 6): two half
 # edges, of a cluster those of a rectangle about the centre; `flat` (n,): 0 for clusters that lie in no plane;
@@ -73,7 +73,7 @@ def _in_front(patches, p, q):
 
 
 @device
-def _face_of(patches, node, u):
+def face_of(patches, node, u):
     """A face of a cluster with a chance in proportion to its area, or the patch itself."""
     if patches.sides[node] != 0:
         return np.int64(node)
@@ -119,7 +119,7 @@ def _aim(patches, wave, p, q):
         j = (5 * i + turn) & (_RAYS - 1)
         u, v = (i % _GRID + np.float64(unit_float(a))) / _GRID, (i // _GRID + np.float64(unit_float(b))) / _GRID
         s, t = (j % _GRID + np.float64(unit_float(c))) / _GRID, (j // _GRID + np.float64(unit_float(d))) / _GRID
-        from_, to = _face_of(patches, p, (i + 0.5) / _RAYS), _face_of(patches, q, (j + 0.5) / _RAYS)
+        from_, to = face_of(patches, p, (i + 0.5) / _RAYS), face_of(patches, q, (j + 0.5) / _RAYS)
         start = on_patch(patches.corners, patches.sides, from_, u, v)
         end = on_patch(patches.corners, patches.sides, to, s, t)
         way = difference(end, start)
@@ -207,7 +207,7 @@ def exchanges(scene_words, patch_words, wave_words, shaft_words, pairs, found, f
 
 
 @device
-def _leaf_at(patches, node, u, v):
+def leaf_at(patches, node, u, v):
     """The leaf below a patch where `on_patch` puts (u, v)."""
     three = patches.sides[node] == 3
     if three:
@@ -245,11 +245,11 @@ def lit_shares(scene_words, patch_words, wave_words, bright, pairs, found, first
         all_p, all_q, lit_p, lit_q = 0.0, 0.0, 0.0, 0.0
         for k in range(_RAYS):
             j = (5 * k + turn) & (_RAYS - 1)
-            near = _leaf_at(
-                patches, _face_of(patches, p, (k + 0.5) / _RAYS), floats[rows.PICK_U, k], floats[rows.PICK_V, k]
+            near = leaf_at(
+                patches, face_of(patches, p, (k + 0.5) / _RAYS), floats[rows.PICK_U, k], floats[rows.PICK_V, k]
             )
-            far = _leaf_at(
-                patches, _face_of(patches, q, (j + 0.5) / _RAYS), floats[rows.LIGHT_U, k], floats[rows.LIGHT_V, k]
+            far = leaf_at(
+                patches, face_of(patches, q, (j + 0.5) / _RAYS), floats[rows.LIGHT_U, k], floats[rows.LIGHT_V, k]
             )
             weight = np.float64(floats[rows.DENSITY, k])
             passed = np.float64(share_left(scene, wave, k)) if wave.ints[rows.BLOCKED, k] == 0 else 0.0

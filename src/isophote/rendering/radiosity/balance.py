@@ -34,14 +34,25 @@ class Balance:
         depths = np.argsort(tree.depth, kind="stable")
         self._levels = np.split(depths, np.cumsum(np.bincount(tree.depth))[:-1])
         self.leaves = tree.leaves
+        # What leaves get in parts of what links say.
+        self.gain = np.ones((len(self.leaves), 3))
+        self._row = np.full(len(tree), -1)
+        self._row[self.leaves] = np.arange(len(self.leaves))
 
     def gathered(self, light: Points) -> Points:
         """(leaves, 3): irradiance of every leaf, from the radiosity `light` of all nodes."""
-        return self._expansion.gathered(light)
+        arriving: Points = self._expansion.gathered(light) * self.gain
+        return arriving
 
     def at_places(self, light: Points, nodes: Numbers, places: Points) -> Points:
         """(n, 3): irradiance at places on leaves."""
-        return self._expansion.at_places(light, nodes, places)
+        arriving: Points = self._expansion.at_places(light, nodes, places) * self.gain[self._row[nodes]]
+        return arriving
+
+    def correct(self, arriving: Points, correction: Points) -> None:
+        """Let leaves get more than links say, in such parts as `correction` is of `arriving` (leaves, 3)."""
+        after = np.maximum(arriving + correction, 0.0)
+        self.gain = np.where(arriving > 0, after / np.where(arriving > 0, arriving, 1.0), 1.0)
 
     def near_sources(self, leaves: Numbers) -> tuple[Numbers, Numbers]:
         """What is near each of the leaves and sends light there: rows of `leaves`, and for each the node."""

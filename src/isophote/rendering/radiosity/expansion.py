@@ -26,7 +26,8 @@ _TERMS = 6
 class Expansion:
     """Form factors of links from sources to receivers, of which the part `visible` is; made once for many bounces.
 
-    With `bright` (nodes,), what nodes send out about, sources are as uneven as that says; empty, all are even.
+    With `bright` (nodes,), what nodes send out about, sources are as uneven as that says; empty, all are even. With
+    `whole`, factors are those of what would be visible if nothing were in the way.
 
     Entries are in the order of their receivers, `near` those that leaves have for themselves.
     """
@@ -39,6 +40,8 @@ class Expansion:
         visible: Points,
         bright: Points,
         threads: int | None,
+        *,
+        whole: bool = False,
     ) -> None:
         self._tree, self._threads, self._count = tree, threads, len(tree)
         self._patches, self._bright = tree.packed(), bright
@@ -46,7 +49,7 @@ class Expansion:
         self._order = np.argsort(tree.depth, kind="stable")
         self._frames, self._over = _frames(tree)
         self._expand(receivers, sources, visible)
-        self._measure()
+        self._measure(np.ones_like(self._shares) if whole else self._shares)
 
     def __len__(self) -> int:
         return len(self._sources)
@@ -99,15 +102,15 @@ class Expansion:
         """The near entries."""
         return slice(int(self._starts[-1]), len(self._sources))
 
-    def _measure(self) -> None:
+    def _measure(self, shares: npt.NDArray[np.float32]) -> None:
         near, every = self._near, np.arange(self._count)
-        self._near_sources, self._near_shares = self._sources[near], self._shares[near]
+        self._near_sources, self._near_shares = self._sources[near], shares[near]
         self._far_factors = np.zeros((near.start, _TERMS), np.float32)
         self._near_factors = np.zeros(len(self._near_sources), np.float32)
         words = self._patches.words
 
         def far(first: int, last: int) -> None:
-            far_factors(words, self._starts, self._sources, self._shares, self._bright, self._far_factors, first, last)
+            far_factors(words, self._starts, self._sources, shares, self._bright, self._far_factors, first, last)
 
         def close(first: int, last: int) -> None:
             near_factors(

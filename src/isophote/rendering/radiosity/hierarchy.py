@@ -17,6 +17,7 @@ from isophote.progress import Reporter
 from isophote.rendering.pool import Pool
 from isophote.rendering.radiosity.balance import Balance, change_of
 from isophote.rendering.radiosity.cutting import cut_by_irradiance, cut_painted_lamps
+from isophote.rendering.radiosity.doubt import Doubt
 from isophote.rendering.radiosity.links import Limits, Links, level
 from isophote.rendering.radiosity.tree import PatchTree
 
@@ -29,6 +30,9 @@ _WAVE = 272
 _NODES_A_JOB = 256
 # Rounds of linking, each by the light of the one before, and with a smaller limit.
 _ROUNDS = (16.0, 4.0, 1.0)
+# What leaves see of uncertain light is sampled to a standard error of such a part of `error`, in parts of what arrives
+# and of so much of the mean radiosity beside, by so many rays a leaf at most.
+_SAMPLED, _DARK, _RAYS = 0.2, 0.02, 1024
 
 
 @attrs.frozen(eq=False)
@@ -152,6 +156,11 @@ def settle(
     sums = balance.form_factor_sums()
     links.weigh(light)
     balance = Balance(tree, links, threads, level(light))
+    bounces, residuals = _bounce(balance, tree, direct.values, residual, report)
+    arriving = balance.gathered(bounces[-1])
+    allowed = _SAMPLED * error * (level(direct.values[tree.leaves] + arriving) + _DARK * mean)
+    correction = Doubt(scene, tree, links, bounces[-1], threads).corrections(arriving, allowed, _RAYS, report)
+    balance.correct(arriving, correction)
     bounces, residuals = _bounce(balance, tree, direct.values, residual, report)
     return Settled(tree, balance, direct.values, tuple(bounces), tuple(residuals), len(links), sums)
 
