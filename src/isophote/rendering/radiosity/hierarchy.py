@@ -32,7 +32,7 @@ _NODES_A_JOB = 256
 _ROUNDS = (16.0, 4.0, 1.0)
 # What leaves see of uncertain light is sampled to a standard error of such a part of `error`, in parts of what arrives
 # and of so much of the mean radiosity beside, by so many rays a leaf at most.
-_SAMPLED, _DARK, _RAYS = 0.2, 0.02, 1024
+_SAMPLED, _DARK, _RAYS = 0.1, 0.02, 8192
 
 
 @attrs.frozen(eq=False)
