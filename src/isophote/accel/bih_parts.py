@@ -78,11 +78,11 @@ def _sorted(mesh: _Mesh, numbers: IntArray, count: int, region: Doubles, depth: 
     )
     mesh.run(cells_of, [(table.words, job, *piece) for job, piece in enumerate(jobs)])
     totals = counts.sum(axis=0)
-    starts = np.concatenate([[0], np.cumsum(totals)])
-    np.subtract(starts[:-1] + np.cumsum(counts, axis=0), counts, out=places)
+    filled = _along_a_curve(np.flatnonzero(totals), grid)
+    starts = np.concatenate([[0], np.cumsum(totals[filled])])
+    places[:, filled] = starts[:-1] + np.cumsum(counts[:, filled], axis=0) - counts[:, filled]
     mesh.run(order_by_cell, [(table.words, job, *piece) for job, piece in enumerate(jobs)])
-    filled = np.flatnonzero(totals)
-    parts = Parts(order, np.append(starts[filled], count), boxes[:, filled].min(axis=0))
+    parts = Parts(order, starts, boxes[:, filled].min(axis=0))
     if depth == _MOST_GRIDS or totals.max() <= _LARGEST:
         return parts
     return _with_grids_within(mesh, parts, _regions(filled, grid, parts.boxes), depth)
@@ -126,6 +126,15 @@ def _grid(region: Doubles, count: int) -> _Grid:
         middle = (low + high) // 2
         low, high = (middle, high) if _shape(extent, middle).prod() <= most else (low, middle)
     return _Grid(_shape(extent, low), region[0], float(extent.max()) / low)
+
+
+def _along_a_curve(cells: Longs, grid: _Grid) -> Longs:
+    """Cells in Morton's order: what is seen together is together in memory, and touches few large pages."""
+    at = np.stack(np.unravel_index(cells, grid.shape), axis=1)
+    code = np.zeros(len(cells), np.int64)
+    for bit in range(_MOST_CELLS.bit_length()):
+        code |= ((at >> bit & 1) << (3 * bit + np.arange(3))).sum(axis=1)
+    return cells[np.argsort(code)]
 
 
 def _shape(extent: Doubles, longest: int) -> Longs:
