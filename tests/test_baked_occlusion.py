@@ -161,7 +161,11 @@ def test_the_command_bakes(tmp_path: Path) -> None:
     iso.save(iso.Scene([iso.Item(FOLD, iso.Matte("tomato"))]), model)
     settings = ("--size", "32", "--samples", "32", "--max-distance", "0.5")
     succeeds("bake", model, "-o", tmp_path / "out.glb", *settings)
-    succeeds("bake", model, "-o", tmp_path / "ao.png", *settings)
+    told = json.loads(succeeds("bake", model, "-o", tmp_path / "ao.png", *settings, "--json"))
+    (one,) = told["maps"]
+    assert one["size"] == 32
+    assert 0 < one["covered texels"] <= 32 * 32
+    assert 0.3 < one["mean visibility"] < 1
     (item,) = iso.load_scene(tmp_path / "out.glb").items
     assert isinstance(item.material, iso.Principled)
     assert item.material.occlusion_texture is not None

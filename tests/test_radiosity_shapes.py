@@ -80,3 +80,17 @@ def test_shapes_that_cannot_be_cut_into_patches_are_told_with_what_mends_it() ->
         solved(iso.Item(iso.Quadric((1, 1, 1, 0, 0, 0, 0, 0, 0, -1), [(-1, -1, -1), (1, 1, 1)])))
     with pytest.raises(RenderError, match="no item has bounds"):
         iso.radiosity(iso.Scene([iso.Item(iso.plane())], [LAMP]), progress=False)
+
+
+@pytest.mark.parametrize("camera", [CAMERA, iso.OrthographicCamera((0, 2, 5), (0, 0.5, 0), height=8)])
+def test_behind_all_patches_the_sky_is_seen_as_in_path_tracing(camera) -> None:
+    picture = np.random.default_rng(2).random((8, 16, 3)).astype(np.float32)
+    skies = [iso.Sky((0.1, 0.2, 0.3), 2.0), iso.Environment(iso.ImageTexture(picture), 0.5, rotation=0.7)]
+    scene = iso.Scene([GROUND], skies, camera)
+    size = (32, 24)
+    traced = iso.render(scene, iso.PathTrace(samples=16, pattern="regular"), size=size, progress=False)
+    found = iso.render(scene, iso.Radiosity(patch=1.0), size=size, progress=False)
+    beyond = np.isinf(found.channels["depth"])
+    assert beyond.sum() > 100
+    difference = np.abs(found.channels["colour"] - traced.channels["colour"])[beyond]
+    assert np.quantile(difference, 0.9) < 0.02

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+from isophote.cli.messages import print_json
 
 if TYPE_CHECKING:
     from isophote.rendering.occlusion.bake import BakedOcclusion
@@ -50,6 +53,7 @@ def bake(
     ] = False,
     seed: Annotated[int, typer.Option(metavar="N", help="The same seed gives the same texture.")] = 0,
     threads: Annotated[int | None, typer.Option(metavar="N", help="Threads.  [default: all processors]")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print what was baked as JSON.")] = False,
 ) -> None:
     """Bake ambient occlusion into a texture."""
     ending = output.suffix.lower()
@@ -64,6 +68,8 @@ def bake(
     from isophote.scene.scene import Item, Scene
 
     check_writable(output)
+    began = time.monotonic()
+    maps: list[BakedOcclusion] = []
     target = output.resolve()
     subject = load_subject(model)
     scene = subject if isinstance(subject, Scene) else Scene([subject if isinstance(subject, Item) else Item(subject)])
@@ -71,7 +77,7 @@ def bake(
 
     def baked(item: Item) -> BakedOcclusion:
         try:
-            return bake_occlusion(
+            found = bake_occlusion(
                 item,
                 size=size,
                 samples=samples,
@@ -84,14 +90,28 @@ def bake(
             )
         except GeometryError as error:
             raise FileError(model, f"{error}, as --unwrap does", _place(item)) from error
+        maps.append(found)
+        return found
 
     if ending == ".png":
         baked(_only([item for item in scene.items if _takes_occlusion(item)], model)).save(target)
-        return
-    save(
-        scene.with_(items=[_with_map(item, baked(item)) if _takes_occlusion(item) else item for item in scene.items]),
-        target,
-    )
+    else:
+        items = [_with_map(item, baked(item)) if _takes_occlusion(item) else item for item in scene.items]
+        save(scene.with_(items=items), target)
+    if as_json:
+        print_json({"output": str(output), "seconds": round(time.monotonic() - began, 3), "maps": _facts(maps)})
+
+
+def _facts(maps: list[BakedOcclusion]) -> list[dict[str, float]]:
+    """Of each map: texels a side, how many of them faces touch, and how open the sky is above those on average."""
+    return [
+        {
+            "size": len(found.coverage),
+            "covered texels": int(found.coverage.sum()),
+            "mean visibility": round(float(found.visibility[found.coverage].mean()), 4),
+        }
+        for found in maps
+    ]
 
 
 def _takes_occlusion(item: Item) -> bool:

@@ -112,7 +112,8 @@ class Radiosity:
                     residual=self.residual,
                     report=report,
                     threads=threads,
-                )
+                ),
+                scene.lights,
             )
         settled = settle(
             tables,
@@ -125,7 +126,7 @@ class Radiosity:
             report=report,
             threads=threads,
         )
-        return solution_of(settled)
+        return solution_of(settled, scene.lights)
 
 
 def radiosity(

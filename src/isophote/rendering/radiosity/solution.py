@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TypeAlias
 
 import attrs
@@ -13,11 +14,13 @@ from isophote.io.files import StrPath
 from isophote.io.save import save
 from isophote.rendering.image import Image
 from isophote.rendering.method import Array, Size, checked_size
+from isophote.rendering.radiosity.backdrop import sky_radiance
 from isophote.rendering.radiosity.hierarchy import Settled
 from isophote.rendering.radiosity.surface import Surface, surface_of
 from isophote.rendering.radiosity.uniform import UniformSettled
 from isophote.rendering.tracer import Tracer
 from isophote.scene.camera import AnyCamera, Camera
+from isophote.scene.light import Environment, Light, Sky
 from isophote.shapes.mesh import Attribute, Mesh
 
 __all__ = ["RadiositySolution"]
@@ -52,6 +55,7 @@ class RadiositySolution:
     mesh: Mesh
     _settled: Settled | UniformSettled = attrs.field(repr=False)
     _surface: Surface = attrs.field(repr=False)
+    _lights: tuple[Light, ...] = attrs.field(repr=False)
 
     @property
     def bounce_count(self) -> int:
@@ -70,12 +74,13 @@ class RadiositySolution:
     ) -> Image:
         """The picture that a camera takes of the solution: `samples` rays a pixel, rounded to a square, on a grid.
 
-        With `bounce` as it is after so many bounces. The channel "patch" tells patches apart.
+        With `bounce` as it is after so many bounces. Behind all patches the sky is seen. The channel "patch" tells
+        patches apart.
         """
         if not isinstance(camera, AnyCamera):
             raise RenderError(f"image: camera must be a Camera or an OrthographicCamera, not {camera!r}")
         mesh = self.mesh if bounce is None else self.bounce(bounce)
-        return picture_of(mesh, self._surface, self._settled, camera, checked_size(size), samples)
+        return picture_of(mesh, self._surface, self._settled, camera, checked_size(size), samples, self._lights)
 
     def save(self, path: StrPath) -> None:
         """Write `mesh`, as GLB or PLY (which keep colours), or any other format of meshes."""
@@ -86,8 +91,8 @@ class RadiositySolution:
         return f"<RadiositySolution: {len(self.areas):,} patches, {self.links:,} links, residual {residual:.1e}>"
 
 
-def solution_of(settled: Settled | UniformSettled) -> RadiositySolution:
-    """What a tree in balance says."""
+def solution_of(settled: Settled | UniformSettled, lights: Sequence[Light] = ()) -> RadiositySolution:
+    """What a tree in balance says, of whose `lights` the skies are seen behind it."""
     tree, leaves = settled.tree, settled.tree.leaves
     surface = surface_of(tree)
     corners = tree.corners[leaves].copy()
@@ -105,6 +110,7 @@ def solution_of(settled: Settled | UniformSettled) -> RadiositySolution:
         mesh=_mesh(settled, surface, len(settled.bounces) - 1),
         settled=settled,
         surface=surface,
+        lights=tuple(lights),
     )
 
 
@@ -116,13 +122,20 @@ def _mesh(settled: Settled | UniformSettled, surface: Surface, number: int) -> M
 
 
 def picture_of(
-    mesh: Mesh, surface: Surface, settled: Settled | UniformSettled, camera: AnyCamera, size: Size, samples: int
+    mesh: Mesh,
+    surface: Surface,
+    settled: Settled | UniformSettled,
+    camera: AnyCamera,
+    size: Size,
+    samples: int,
+    lights: Sequence[Light],
 ) -> Image:
-    """Rays through a grid of places in each pixel, met by the mesh, coloured by its vertices."""
+    """Rays through a grid of places in each pixel, met by the mesh, coloured by its vertices, or by skies behind it."""
     if isinstance(samples, bool) or not isinstance(samples, int | np.integer) or not 1 <= samples <= 1024:
         raise RenderError(f"Radiosity: samples must be a whole number from 1 to 1024, not {samples!r}")
     width, height = size
     tracer = Tracer(mesh)
+    skies = [light for light in lights if isinstance(light, Sky | Environment)]
     grid = max(1, round(float(samples) ** 0.5))
     colours = np.asarray(mesh.colours.values, np.float64) if mesh.colours is not None else np.zeros((0, 3))
     colour = np.zeros((height, width, 3))
@@ -138,6 +151,9 @@ def picture_of(
             blended = corners[:, 0] * (1 - u - v) + corners[:, 1] * u + corners[:, 2] * v
             flat = colour[rows].reshape(-1, 3)
             flat[met] += blended
+            if skies:
+                beyond = np.flatnonzero(~hits.hit)
+                flat[beyond] += sky_radiance(skies, directions[beyond])
             colour[rows] = flat.reshape(len(rows), width, 3)
     channels: dict[str, Array] = {"colour": (colour / grid**2).astype(np.float32)}
     return Image({**channels, **_features(tracer, settled, surface, camera, size)})
