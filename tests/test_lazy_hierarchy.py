@@ -68,6 +68,15 @@ def test_rays_that_miss_everything_finish_nothing():
     assert parts_finished(built)[0] == 0
 
 
+def test_without_triangles_and_without_points_nothing_is_met():
+    built = build_accelerator("bih", np.zeros((0, 3)), np.zeros((0, 3), np.int32))
+    finish(built)
+    assert parts_finished(built) == (0, 0)
+    assert closest(built, np.zeros(3), np.array([1, 0, 0]))[0] == -1
+    balls = [iso.Item(iso.sphere(0.4)).translate((k, 0, 0)) for k in range(8)]
+    assert iso.Tracer(iso.Scene(balls), accelerator="bih").closest([(-3, 0.1, 0)], [(1, 0, 0)]).item[0] == 0
+
+
 @pytest.mark.parametrize("coherent", [False, True])
 def test_what_is_behind_what_is_seen_stays_as_it_is(coherent):
     """A wall before many: rays that stop there finish no others, one by one or in packets."""

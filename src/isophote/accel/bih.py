@@ -36,7 +36,7 @@ def _build(positions: FloatArray, triangles: IntArray, threads: int | None) -> B
     count = len(triangles)
     points, corners = positions.reshape(-1), triangles.reshape(-1)
     last_point = np.zeros(4, np.float32)
-    last_point[:3] = points[-3:]
+    last_point[: len(points[-3:])] = points[-3:]
     if count == 0:
         parts, upper, words = no_parts(), _node_without_children(), np.empty(0, np.int64)
     else:
