@@ -274,6 +274,9 @@ def _hit_triangle(blocks, at, kx, ky, kz, scratch):
     w = product_difference(bx, ay, by, ax)
     zero = splat16(_ZERO)
     inside = (minimum(u, minimum(v, w)) >= zero) | (maximum(u, maximum(v, w)) <= zero)
+    # Most triangles are missed by all rays, which is guessed right.
+    if bits(inside) == 0:
+        return inside, zero, zero, zero
     scale = splat16(_ONE) / (u + v + w)
     t = (u * az + v * bz + w * cz) * sz * scale
     return inside & (t > zero) & (t < _row(scratch, LIMIT)), t, v * scale, w * scale
@@ -384,8 +387,9 @@ def any_packet(nodes, blocks, axis, scratch, parts):
                     if load_int(blocks, at + NUMBER) < 0:
                         break
                     met, _, _, _ = _hit_triangle(blocks, at, kx, ky, kz, scratch)
-                    blocked |= bits(met)
-                    store16(scratch, LIMIT * PACKET, select(met, splat16(-_ONE), _row(scratch, LIMIT)))
+                    if bits(met) != 0:
+                        blocked |= bits(met)
+                        store16(scratch, LIMIT * PACKET, select(met, splat16(-_ONE), _row(scratch, LIMIT)))
             bound = largest(_row(scratch, LIMIT))
             if bound < _ZERO:
                 return blocked

@@ -3,13 +3,24 @@
 from __future__ import annotations
 
 from llvmlite import ir
+from numba import types
 from numba.extending import intrinsic
 
 from isophote.kernels.base.simd import f32x16
 
-__all__ = ["following_lanes", "lane_numbers"]
+__all__ = ["count_bits", "following_lanes", "lane_numbers"]
 
 _LANES = 16
+
+
+@intrinsic
+def count_bits(typingctx, x):
+    """How many bits of an int32 are set, as those of a mask (simd.bits)."""
+
+    def codegen(context, builder, signature, args):
+        return builder.zext(builder.ctpop(args[0]), ir.IntType(64))
+
+    return types.int64(types.int32), codegen
 
 
 @intrinsic

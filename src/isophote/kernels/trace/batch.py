@@ -15,10 +15,21 @@ from isophote.kernels.accel.packet import (
     WEIGHT2,
     any_packet,
     closest_packet,
-    longest_axis,
 )
 from isophote.kernels.base.jit import device
-from isophote.kernels.base.simd import load_float, load_int, store_float
+from isophote.kernels.base.simd import (
+    absolute,
+    bits,
+    load16,
+    load_float,
+    load_int,
+    lowest_bit,
+    splat16,
+    store16,
+    store_float,
+)
+from isophote.kernels.base.simd_lanes import count_bits, lane_numbers
+from isophote.kernels.base.wide import load_lanes, load_wide, store_lanes
 from isophote.kernels.light.emitter import closest_lamp, lamp_blocks
 from isophote.kernels.primitive.chain import closest_primitives, find_occluding
 from isophote.kernels.trace import wave as rows
@@ -42,6 +53,8 @@ __all__ = [
 LAMP = np.int64(-2)
 
 _ZERO, _ONE = np.float32(0), np.float32(1)
+# Sixteen bits: all lanes.
+_ALL = np.int32(0xFFFF)
 # Rows that primitives are asked with.
 _HIT_ROWS = tuple(np.int64(row) for row in (rows.ORIGIN, rows.HIT_T, rows.HIT_SLOT, rows.HIT_INSTANCE))
 _SHADOW_ROWS = tuple(np.int64(row) for row in (rows.SHADOW_ORIGIN, rows.SHADOW_END, rows.BLOCKED))
@@ -62,28 +75,55 @@ def in_packets(geometry, coherent):
 
 
 @device
+def _axis_bits(floats, direction_row, i, count):
+    """Bit by bit, which of the directions in columns i … i + 15, as far as they are before `count`, are longest along
+    the first axis, and which along the second."""
+    d, there = load_wide(floats, direction_row, i), lane_numbers() < splat16(np.float32(count - i))
+    x, y, z = absolute(d.x), absolute(d.y), absolute(d.z)
+    along_x = bits((x >= y) & (x >= z) & there)
+    return along_x, bits((y >= z) & there) & ~along_x
+
+
+@device
+def _append_columns(order, place, i, chosen):
+    """Write the columns i … i + 15 that are chosen bit by bit from `place` on. Returns the place after the last."""
+    if chosen == _ALL:
+        for lane in range(PACKET):
+            order[place + lane] = i + lane
+        return place + PACKET
+    while chosen != 0:
+        order[place] = i + lowest_bit(chosen)
+        chosen &= chosen - np.int32(1)
+        place += 1
+    return place
+
+
+@device
 def _sort_by_axis(wave, direction_row, count):
     """Order of the wave's columns by the longest axis of their directions, those of one axis as they were; the counts
     of the first and the second axis."""
     floats, order = wave.floats, wave.longs[rows.ORDER]
     first, second = np.int64(0), np.int64(0)
-    for i in range(count):
-        axis = longest_axis(row_vec3(floats, direction_row, i))
-        first += axis == 0
-        second += axis == 1
+    for i in range(0, count, PACKET):
+        along_x, along_y = _axis_bits(floats, direction_row, i, count)
+        first += count_bits(along_x)
+        second += count_bits(along_y)
     next0, next1, next2 = np.int64(0), first, first + second
-    for i in range(count):
-        axis = longest_axis(row_vec3(floats, direction_row, i))
-        if axis == 0:
-            order[next0] = i
-            next0 += 1
-        elif axis == 1:
-            order[next1] = i
-            next1 += 1
-        else:
-            order[next2] = i
-            next2 += 1
+    for i in range(0, count, PACKET):
+        along_x, along_y = _axis_bits(floats, direction_row, i, count)
+        there = (np.int32(1) << np.int32(min(count - i, PACKET))) - np.int32(1)
+        next0 = _append_columns(order, next0, i, along_x)
+        next1 = _append_columns(order, next1, i, along_y)
+        next2 = _append_columns(order, next2, i, np.int32(there & ~(along_x | along_y)))
     return first, second
+
+
+@device
+def _run(order, first, last):
+    """The column of ray order[first] where all sixteen up to order[last − 1] stand side by side, or −1."""
+    column = order[first]
+    # Columns of one axis go up.
+    return column if last - first == PACKET and order[last - 1] == column + (PACKET - 1) else np.int64(-1)
 
 
 @device
@@ -91,6 +131,12 @@ def _load_packet(wave, first, last, origin_row, limit_row):
     """Copy rays order[first] … order[last − 1] into the packet's scratch, with direction rows after the origins'; lanes
     that are left over repeat the last ray, switched off."""
     floats, order, scratch = wave.floats, wave.longs[rows.ORDER], wave.scratch
+    run = _run(order, first, last)
+    if run >= 0:
+        for k in range(6):
+            store16(scratch, (ORIGINS + k) * PACKET, load_lanes(floats, origin_row + k, run))
+        store16(scratch, LIMIT * PACKET, load_lanes(floats, limit_row, run))
+        return
     for lane in range(PACKET):
         i = order[min(first + lane, last - 1)]
         for k in range(6):
@@ -101,13 +147,24 @@ def _load_packet(wave, first, last, origin_row, limit_row):
 @device
 def _store_hits(wave, first, last):
     floats, longs, scratch = wave.floats, wave.longs, wave.scratch
+    order, slots, instances = longs[rows.ORDER], longs[rows.HIT_SLOT], longs[rows.HIT_INSTANCE]
+    run = _run(order, first, last)
+    if run >= 0:
+        store_lanes(floats, rows.HIT_T, run, load16(scratch, LIMIT * PACKET))
+        store_lanes(floats, rows.HIT_W1, run, load16(scratch, WEIGHT1 * PACKET))
+        store_lanes(floats, rows.HIT_W2, run, load16(scratch, WEIGHT2 * PACKET))
+        for lane in range(PACKET):
+            slots[run + lane] = load_int(scratch, SLOT * PACKET + lane)
+        for lane in range(PACKET):
+            instances[run + lane] = 0
+        return
     for lane in range(last - first):
-        i = longs[rows.ORDER, first + lane]
+        i = order[first + lane]
         floats[rows.HIT_T, i] = load_float(scratch, LIMIT * PACKET + lane)
         floats[rows.HIT_W1, i] = load_float(scratch, WEIGHT1 * PACKET + lane)
         floats[rows.HIT_W2, i] = load_float(scratch, WEIGHT2 * PACKET + lane)
-        longs[rows.HIT_SLOT, i] = load_int(scratch, SLOT * PACKET + lane)
-        longs[rows.HIT_INSTANCE, i] = 0
+        slots[i] = load_int(scratch, SLOT * PACKET + lane)
+        instances[i] = 0
 
 
 @device
@@ -186,7 +243,7 @@ def blocked_in_packets(geometry, wave, count):
     """Whether each shadow ray of the wave meets a triangle before its end, 0 or 1 in its row BLOCKED."""
     parts = parts_of(geometry, _ALONE)
     count0, count1 = _sort_by_axis(wave, rows.SHADOW_DIRECTION, count)
-    order, scratch = wave.longs[rows.ORDER], wave.scratch
+    order, scratch, found = wave.longs[rows.ORDER], wave.scratch, wave.ints[rows.BLOCKED]
     start = np.int64(0)
     for axis in range(3):
         end = start + (count0 if axis == 0 else (count1 if axis == 1 else count - count0 - count1))
@@ -195,7 +252,7 @@ def blocked_in_packets(geometry, wave, count):
             _load_packet(wave, first, last, rows.SHADOW_ORIGIN, rows.SHADOW_END)
             blocked = any_packet(geometry.nodes, geometry.blocks, axis, scratch, parts)
             for lane in range(last - first):
-                wave.ints[rows.BLOCKED, order[first + lane]] = (blocked >> lane) & 1
+                found[order[first + lane]] = (blocked >> lane) & 1
         start = end
 
 
