@@ -22,6 +22,7 @@ from isophote.kernels.base.table import ViewType
 from isophote.kernels.base.vec import vec3_type
 
 __all__ = [
+    "counts_up",
     "load_lanes",
     "load_wide",
     "spread",
@@ -31,6 +32,7 @@ __all__ = [
     "wide_cross",
     "wide_dot",
     "wide_select",
+    "zero_lanes",
 ]
 
 _AXES = ("x", "y", "z")
@@ -216,6 +218,38 @@ def _storer(stored, count):
         return types.void(table, types.intp, types.intp, stored), codegen
 
     return store
+
+
+def _words(context, builder, signature, args):
+    """Columns i … i + 15 of a row of 32-bit whole numbers."""
+    (at,) = _places(context, builder, signature.args[0], *args, 1)
+    loaded = builder.load(builder.bitcast(at, ir.VectorType(_I32, _LANES).as_pointer()))
+    loaded.align = 4
+    return loaded
+
+
+@intrinsic
+def zero_lanes(typingctx, table, row, column):
+    """In which of the columns i … i + 15 of a row the words are 0."""
+
+    def codegen(context, builder, signature, args):
+        words = _words(context, builder, signature, args)
+        return builder.icmp_signed("==", words, ir.Constant(words.type, [0] * _LANES))
+
+    return mask16(table, types.intp, types.intp), codegen
+
+
+@intrinsic
+def counts_up(typingctx, table, row, column):
+    """Whether the words in columns i … i + 15 of a row are a, a + 1 … a + 15."""
+
+    def codegen(context, builder, signature, args):
+        words = _words(context, builder, signature, args)
+        first = builder.shuffle_vector(words, words, ir.Constant(words.type, [0] * _LANES))
+        equal = builder.icmp_signed("==", words, builder.add(first, ir.Constant(words.type, list(range(_LANES)))))
+        return builder.icmp_signed("==", builder.bitcast(equal, ir.IntType(_LANES)), ir.IntType(_LANES)(-1))
+
+    return types.boolean(table, types.intp, types.intp), codegen
 
 
 # Columns i … i + 15 of one row, and of three.

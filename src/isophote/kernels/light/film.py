@@ -12,7 +12,7 @@ import numpy as np
 
 from isophote.kernels.base.jit import device
 
-__all__ = ["add_sample", "filter_offset", "is_negative"]
+__all__ = ["add_samples", "filter_offset", "is_negative"]
 
 
 @device
@@ -41,13 +41,15 @@ def is_negative(crossings, x, y):
 
 
 @device
-def add_sample(film, place, r, g, b):
-    """Add one sample's radiance to row `place` of the film."""
+def add_samples(film, place, red, green, blue, first, last):
+    """Add the radiance of samples first … last − 1, one after another, to row `place` of the film."""
     total, squares = film.total, film.squares
-    total[place, 0] += r
-    total[place, 1] += g
-    total[place, 2] += b
-    squares[place, 0] += np.float64(r) * r
-    squares[place, 1] += np.float64(g) * g
-    squares[place, 2] += np.float64(b) * b
-    film.count[place] += 1
+    r, g, b = total[place, 0], total[place, 1], total[place, 2]
+    r2, g2, b2 = squares[place, 0], squares[place, 1], squares[place, 2]
+    for i in range(first, last):
+        x, y, z = np.float64(red[i]), np.float64(green[i]), np.float64(blue[i])
+        r, g, b = r + x, g + y, b + z
+        r2, g2, b2 = r2 + x * x, g2 + y * y, b2 + z * z
+    total[place, 0], total[place, 1], total[place, 2] = r, g, b
+    squares[place, 0], squares[place, 1], squares[place, 2] = r2, g2, b2
+    film.count[place] += last - first

@@ -19,7 +19,17 @@ from isophote.kernels.base.simd import bits, load_int, lowest_bit, select, splat
 from isophote.kernels.base.simd_lanes import lane_numbers
 from isophote.kernels.base.vec import dot, load_vec3, maximum_component, vec3
 from isophote.kernels.base.warp import INV_PI
-from isophote.kernels.base.wide import load_lanes, load_wide, store_lanes, store_wide, wide_dot, wide_select
+from isophote.kernels.base.wide import (
+    counts_up,
+    load_lanes,
+    load_wide,
+    store_lanes,
+    store_wide,
+    wide,
+    wide_dot,
+    wide_select,
+    zero_lanes,
+)
 from isophote.kernels.brdf import contract
 from isophote.kernels.light.bsdf import LINKED, MATTE
 from isophote.kernels.light.emitter import ENVIRONMENT, sample_group
@@ -30,7 +40,7 @@ from isophote.kernels.trace import wave as rows
 from isophote.kernels.trace.batch import find_blocked
 from isophote.kernels.trace.boundary import set_relative_index
 from isophote.kernels.trace.cone import cone_radius
-from isophote.kernels.trace.holes import share_left
+from isophote.kernels.trace.holes import has_holes, share_left
 from isophote.kernels.trace.material import evaluate_material, prepare_material
 from isophote.kernels.trace.painted_lights import tint_of_light
 from isophote.kernels.trace.ray_log import log_light, log_visible
@@ -257,6 +267,8 @@ def _aim_lanes(tree, wave, s, count, at):
     store_wide(floats, rows.SHADOW_LIGHT, at, light)
     store_lanes(floats, rows.SHADOW_END, at, select(finite, splat16(_SHADOW_END), far))
     store_lanes(wave.ints, rows.SHADOW_OWNER, at, load_lanes(surfaces, ray_tree.COLUMN, s))
+    sent = load_lanes(surfaces, ray_tree.SENT, s)
+    store_lanes(surfaces, ray_tree.SENT, s, sent + select(carries, one, zero))
     return bits(carries)
 
 
@@ -277,6 +289,7 @@ def _aim(tables, tree, wave, log, first, h, count, begin, end, made):
     """Shadow rays from surfaces first + h … first + h + count − 1, sixteen at most, to samples begin … end − 1 of
     lights, in wave columns from `made` on. Returns the column after the last."""
     at, surfaces = made, tree.surfaces
+    store_lanes(surfaces, ray_tree.SENT, first + h, splat16(_ZERO))
     for job in range(begin, end):
         c = at + (job - begin) * rows.LANES
         _sample(tables, tree, wave, log, job, 2 * (job - begin), first, h, count, c)
@@ -293,6 +306,9 @@ def _aim(tables, tree, wave, log, first, h, count, begin, end, made):
             _move(tree, wave, c + np.int64(lowest_bit(left)), made)
             left &= left - np.int32(1)
             made += 1
+    sent, owners = tree.rays[ray_tree.COUNT], wave.ints[rows.OWNER]
+    for k in range(first + h, first + h + count):
+        sent[np.int64(owners[_column(tree, k)])] += np.int64(surfaces[ray_tree.SENT, k])
     return made
 
 
@@ -316,15 +332,24 @@ def _left(tables, tree, wave, k):
 @device
 def _collect(tables, tree, wave, log, count):
     """Add what is left of the light of shadow rays."""
-    logging = log.rays.rows > 0
-    for k in range(count):
-        i = np.int64(wave.ints[rows.SHADOW_OWNER, k])
-        tree.rays[ray_tree.COUNT, np.int64(wave.ints[rows.OWNER, i])] += 1
+    logging, floats, ints = log.rays.rows > 0, wave.floats, wave.ints
+    whole = not (logging or tree.tint != 0 or has_holes(tables))
+    k = np.int64(0)
+    while k < count:
+        if whole and k + rows.LANES <= count and counts_up(ints, rows.SHADOW_OWNER, k):
+            i, nothing = np.int64(ints[rows.SHADOW_OWNER, k]), splat16(_ZERO)
+            light = load_wide(floats, rows.SHADOW_LIGHT, k)
+            light = wide_select(zero_lanes(ints, rows.BLOCKED, k), light, wide(nothing, nothing, nothing))
+            store_wide(floats, rows.RADIANCE, i, load_wide(floats, rows.RADIANCE, i) + light)
+            k += rows.LANES
+            continue
+        i = np.int64(ints[rows.SHADOW_OWNER, k])
         left = _left(tables, tree, wave, k)
         if maximum_component(left) > _ZERO:
             add_radiance(wave, i, row_vec3(wave.floats, rows.SHADOW_LIGHT, k) * left)
             if logging:
                 log_visible(log, tree.rays[ray_tree.SHADOW_LOGGED, k], left)
+        k += 1
 
 
 @device

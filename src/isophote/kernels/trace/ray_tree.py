@@ -57,9 +57,9 @@ TAKEN, END = np.int64(0), np.int64(1)
 # Rows of `surfaces`, surfaces that lights shine on: what surface_of said, what the ray carries there, and its wave
 # column as a word; plain ones (ray_lights.py) have 1 in PLAIN, their normals on the ray's side, and what they scatter
 # of light from above in SHARE; FROM and BLENDED, the ray's direction and the normal between corners, only until normals
-# are worked out (ray_matte.py) …
-PLACE, NORMAL, SHADING, SHARE, ERROR, U, V, PLAIN, COLUMN, FROM, BLENDED, SURFACE_FLOATS = (
-    np.int64(row) for row in (0, 3, 6, 9, 12, 13, 14, 15, 16, 17, 20, 23)
+# are worked out (ray_matte.py), and SENT, the number of its shadow rays, until they are counted …
+PLACE, NORMAL, SHADING, SHARE, ERROR, U, V, PLAIN, COLUMN, FROM, BLENDED, SENT, SURFACE_FLOATS = (
+    np.int64(row) for row in (0, 3, 6, 9, 12, 13, 14, 15, 16, 17, 20, 23, 24)
 )
 # … and of `surface_numbers`, which plain ones have none of: the media before and behind the surface, and all those that
 # a ray is in which went through.
@@ -125,11 +125,13 @@ def new_tree(
 @device
 def start_trees(tree, levels, count):
     """Begin the trees of the camera rays in wave columns 0 … count − 1."""
+    rays = tree.rays[COUNT]
     for i in range(count):
-        tree.rays[COUNT, i] = 0
+        rays[i] = 0
     for row in range(3 * levels):
+        sums = tree.sums[row]
         for i in range(count):
-            tree.sums[row, i] = _ZERO
+            sums[i] = _ZERO
 
 
 @device
@@ -198,20 +200,30 @@ def take(tree, wave, level):
 @device
 def gather(tree, wave, level, count):
     """Add what each ray of the wave has gathered to its tree's level."""
-    floats, ints = wave.floats, wave.ints
+    rays = tree.rays[COUNT]
+    for k in range(3):
+        sums, radiance = tree.sums[3 * level + k], wave.floats[rows.RADIANCE + k]
+        if level == 0:
+            # Each in its tree's column.
+            for i in range(count):
+                sums[i] += radiance[i]
+        else:
+            owners = wave.ints[rows.OWNER]
+            for i in range(count):
+                sums[np.int64(owners[i])] += radiance[i]
+    owners = wave.ints[rows.OWNER]
     for i in range(count):
-        owner = np.int64(ints[rows.OWNER, i])
-        for k in range(3):
-            tree.sums[3 * level + k, owner] += floats[rows.RADIANCE + k, i]
-        tree.rays[COUNT, owner] += 1
+        rays[np.int64(owners[i])] += 1
 
 
 @device
 def sum_levels(tree, wave, levels, count):
     """What each tree has gathered, into the wave's columns."""
     for k in range(3):
+        radiance, first = wave.floats[rows.RADIANCE + k], tree.sums[k]
         for i in range(count):
-            total = _ZERO
-            for level in range(levels):
-                total += tree.sums[3 * level + k, i]
-            wave.floats[rows.RADIANCE + k, i] = total
+            radiance[i] = first[i]
+        for level in range(1, levels):
+            sums = tree.sums[3 * level + k]
+            for i in range(count):
+                radiance[i] += sums[i]

@@ -11,7 +11,7 @@ from isophote.kernels.base.sampler import draw_pairs, pixel_number
 from isophote.kernels.base.simd import splat16, square_root
 from isophote.kernels.base.warp import to_disk
 from isophote.kernels.base.wide import load_lanes, store_lanes, store_wide, wide, wide_dot
-from isophote.kernels.light.film import add_sample, filter_offset, is_negative
+from isophote.kernels.light.film import add_samples, filter_offset, is_negative
 from isophote.kernels.trace import wave as rows
 from isophote.kernels.trace.camera import camera_rays, has_lens
 from isophote.kernels.trace.cone import start_cones
@@ -156,12 +156,17 @@ def draw(plan, wave, count, dimension, row):
 @device
 def develop(plan, count, wave, film):
     """Add the wave's paths to the film, in their order."""
-    floats, places = wave.floats, wave.ints[rows.PLACE]
+    places = wave.ints[rows.PLACE]
+    red, green, blue = wave.floats[rows.RADIANCE], wave.floats[rows.RADIANCE + 1], wave.floats[rows.RADIANCE + 2]
     pixels = plan.width * plan.height
-    for i in range(count):
-        place = np.int64(places[i])
-        r, g, b = floats[rows.RADIANCE, i], floats[rows.RADIANCE + 1, i], floats[rows.RADIANCE + 2, i]
-        if place >= pixels:
-            add_sample(film, place, r, g, b)
-            place -= pixels
-        add_sample(film, place, r, g, b)
+    i = np.int64(0)
+    while i < count:
+        place, end = places[i], i + 1
+        while end < count and places[end] == place:
+            end += 1
+        here = np.int64(place)
+        if here >= pixels:
+            add_samples(film, here, red, green, blue, i, end)
+            here -= pixels
+        add_samples(film, here, red, green, blue, i, end)
+        i = end
