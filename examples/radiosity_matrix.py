@@ -36,13 +36,13 @@ scene = iso.Scene(
 def gathered():
     """The room by each kind of form factors."""
     for kind in ("rays", "hemicube", "hemisphere"):
-        method = iso.Radiosity(patch=0.125, method="gathering", form_factors=kind, directions=1024, residual=1e-3)
+        method = iso.Radiosity(patch=0.25, method="gathering", form_factors=kind, directions=1024, residual=1e-3)
         yield iso.radiosity(scene, method, progress=False), None
 
 
 def shot():
     """The room when half of the light is sent, three quarters of it, and next to all."""
-    method = iso.Radiosity(patch=0.125, method="shooting", residual=1e-3)
+    method = iso.Radiosity(patch=0.25, method="shooting", residual=1e-3)
     found = iso.radiosity(scene, method, progress=False)
     for step in (2, 4, found.bounce_count):
         yield found, step

@@ -56,13 +56,13 @@ class _Scale(NamedTuple):
 def brdf_plot(
     material: Material, angles_degrees: Sequence[float] = (0.0, 30.0, 60.0, 80.0), size: tuple[int, int] = (640, 420)
 ) -> Image:
-    """A picture of a material's lobes in the plane of incidence, a colour for each angle between light and normal.
+    """A picture of a `material`'s lobes in the plane of incidence, a colour for each angle between light and normal.
 
     From the middle of the picture, where the surface is, each curve is as far as the reflectance f in that direction,
     mean of the channels, per steradian: linear, or on a scale of powers of ten where it spans many; rings tell values.
-    What goes through the surface is drawn below it. Arrows are single directions, with their share of the light. Along
-    its longer side the picture must have 200 pixels or more. Raises `RenderError` for angles beyond 0 to 89.9, and for
-    what is no material.
+    What goes through the surface is drawn below it. Arrows are single directions, with their share of the light. `size`
+    is (width, height) in pixels, 200 or more each way. Raises `RenderError` for angles beyond 0 to 89.9, more than six
+    of them, and for what is no material.
     """
     if not isinstance(material, Material):
         raise RenderError(f"brdf_plot: give a material, such as a Metal, not {material!r}")

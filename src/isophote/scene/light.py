@@ -62,7 +62,8 @@ def _scaled(tint: Colour, factor: float) -> Colour:
 class PointLight:
     """Shines from one point evenly to all sides.
 
-    `power` is the emitted flux in W, so the radiant intensity is power / 4π W/sr, times `colour`.
+    `power` is the emitted flux in W, 0 or above, so the radiant intensity is power / 4π W/sr, times `colour`, from
+    `position`, in metres. Raises `SceneError` for other values.
     """
 
     position: Vector = attrs.field(converter=as_vector, validator=vector)
@@ -192,7 +193,10 @@ def _positive_pair(instance: Any, attribute: attrs.Attribute[Any], value: Any) -
 
 @attrs.frozen
 class RectLight(AreaLight):
-    """A rectangle that shines; see `AreaLight` for power, radiance, colour and transform.
+    """A rectangle that shines, the same to all sides.
+
+    `power` is its flux in W (1 if nothing is given), `radiance`, instead, in W/(m² sr): radiance = power / (π area),
+    times `colour`. `transform` places it without changing its size, as `at` does.
 
     In its own frame it lies in the plane y = 0 around the origin and shines toward −Y, so that it faces
     straight down as it is made; `size` is (width along its x, depth along its z), full lengths. With
@@ -223,7 +227,10 @@ class RectLight(AreaLight):
 
 @attrs.frozen
 class DiskLight(AreaLight):
-    """A disk that shines; see `AreaLight` for power, radiance, colour and transform.
+    """A disk that shines, the same to all sides; `radius` in metres.
+
+    `power` is its flux in W (1 if nothing is given), `radiance`, instead, in W/(m² sr): radiance = power / (π area),
+    times `colour`. `transform` places it without changing its size, as `at` does.
 
     In its own frame it lies in the plane y = 0 around the origin and shines toward −Y, so that it faces
     straight down as it is made. With `two_sided` it shines to +Y too.
@@ -249,7 +256,11 @@ class DiskLight(AreaLight):
 
 @attrs.frozen
 class SphereLight(AreaLight):
-    """A sphere that shines outward; see `AreaLight` for power, radiance, colour and transform."""
+    """A sphere that shines outward, the same to all sides; `radius` in metres.
+
+    `power` is its flux in W (1 if nothing is given), `radiance`, instead, in W/(m² sr): radiance = power / (π area),
+    times `colour`. `transform` places it without changing its size, as `at` does.
+    """
 
     radius: float = attrs.field(default=0.5, converter=as_number, validator=positive)
 
@@ -265,7 +276,7 @@ class SphereLight(AreaLight):
 
 @attrs.frozen
 class Sky:
-    """The same radiance from everywhere around: `strength` W/(m² sr), times `colour`."""
+    """The same radiance from everywhere around: `strength` W/(m² sr), 0 or above, times `colour`."""
 
     colour: Colour = attrs.field(default=WHITE, converter=as_colour)
     strength: float = attrs.field(default=1.0, converter=as_number, validator=non_negative)

@@ -30,6 +30,9 @@ class ValueNoise(Noise):
     """Random numbers at the points of a lattice, and between them smoothly, by 6 t⁵ − 15 t⁴ + 10 t³ along each axis.
 
     Mean 1/2.
+
+    `size` is the edge of a cell of its lattice in metres, another `seed` another pattern; `space` and `transform` are
+    those of `Placed`.
     """
 
 
@@ -39,6 +42,9 @@ class PerlinNoise(Noise):
 
     1/2 at all points of the lattice, and in the mean. Source: Perlin, "Improving Noise", SIGGRAPH 2002; with a hash in
     place of its table, which repeats after 256 cells.
+
+    `size` is the edge of a cell of its lattice in metres, another `seed` another pattern; `space` and `transform` are
+    those of `Placed`.
     """
 
 
@@ -48,6 +54,9 @@ class SimplexNoise(Noise):
 
     It favours no axis, as lattices of cubes do. Mean 1/2. Source: Perlin, "Noise Hardware", 2001, with bumps that end
     before they leave their tetrahedra, so that all derivatives are continuous.
+
+    `size` is the edge of a cell of its lattice in metres, another `seed` another pattern; `space` and `transform` are
+    those of `Placed`.
     """
 
 
@@ -60,6 +69,9 @@ class WorleyNoise(Noise):
     "euclidean", "manhattan" (the sum of the coordinates) or "chebyshev" (the largest of them). `jitter`: 1 scatters
     points all over their cells, 0 leaves them in the middle. Source: Worley, "A Cellular Texture Basis Function",
     SIGGRAPH 1996.
+
+    `size` is the edge of a cell of its lattice in metres, another `seed` another pattern; `space` and `transform` are
+    those of `Placed`.
     """
 
     feature: str = attrs.field(default="f1", validator=one_of("f1", "f2", "f2-f1", "cell"))

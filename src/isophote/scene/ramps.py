@@ -53,6 +53,10 @@ class Blend(Texture):
 class Placed(Procedural):
     """A texture of any kind, pictures too, moved to another place: in the space of another by `transform`.
 
+    `space` is "own", the space in which the item's shape is described, so that a pattern goes with the item as if
+    carved from a block; "uv", texture coordinates (u, v, 0); or "world". `transform` places the pattern there, as an
+    item's places a shape. All formulas of the place (`Checker`, `Marble`, ...) have both themselves.
+
     Below it, both the shape's own space and texture coordinates (x, y) are those of the moved space. So
     `Placed(picture, space="own")` projects a picture along z onto a shape, and
     `Placed(picture, space="uv", transform=Transform.identity().scale(0.1))` repeats it ten times along u and v.

@@ -62,6 +62,7 @@ class AmbientOcclusion:
     `by="horizon"` and `by="classic"` take no rays but those of the camera: they find what is in the way in the depth of
     the pixels around, as real-time renderers do, within `max_distance` (None: an eighth of the scene's diagonal); see
     `screen_occlusion`. Lights, materials and what only they show play no part. The channel "visibility" is the grey.
+    Raises `RenderError` for settings out of range.
     """
 
     samples: int = attrs.field(default=64, validator=_samples)
