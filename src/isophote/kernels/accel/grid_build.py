@@ -29,8 +29,8 @@ _MOST_ON_AXIS = 1 << 12
 # Candidates for cells on the longest axis grow by this factor.
 _GROWTH = 1.15
 _ZERO, _ONE = np.int64(0), np.int64(1)
-# Lists of fewer triangles are left as they are, and longer ones unless a grid costs less than this part of them.
-_FEWEST, _WORTH = 12, 0.6
+# Lists are left as they are unless a grid costs less than this part of them.
+_WORTH = 0.6
 # Cells are not made narrower than so many slacks.
 NARROWEST = 16.0
 # Columns of a job.
@@ -310,7 +310,7 @@ def choose_subgrids(
         chosen[cell, 0] = chosen[cell, 1] = chosen[cell, 2] = _ZERO
         first, last = starts[cell], starts[cell + 1]
         count = last - first
-        if count < _FEWEST:
+        if _ENTER_COST >= _WORTH * item_cost * count:
             continue
         _cell_box(frames, shapes, grid, cell, around)
         if not _parts_in_cell(positions, triangles, references, first, last, around, work, extent, sums, box):

@@ -106,6 +106,23 @@ def _fill_row(extents, low, high, rows, at):
             rows[at + UPPER + WIDTH * axis + lane] = greatest
 
 
+@device
+def _lies_in(positions, triangles, triangle, cell, extent):
+    """Whether a triangle lies in a cell's box; its own box goes to `extent`."""
+    a, b, c = (
+        3 * np.int64(triangles[3 * triangle]),
+        3 * np.int64(triangles[3 * triangle + 1]),
+        3 * np.int64(triangles[3 * triangle + 2]),
+    )
+    inside = True
+    for axis in range(3):
+        x, y, z = positions[a + axis], positions[b + axis], positions[c + axis]
+        low, high = min(x, min(y, z)), max(x, max(y, z))
+        extent[axis], extent[axis + 3] = low, high
+        inside = inside and low >= cell[axis] and high <= cell[axis + 3]
+    return inside
+
+
 @kernel
 def order_lists(positions, triangles, references, starts, first_rows, cells, begin, end, rows):
     """For each list begin ≤ l < end that has rows, the first number `first_rows`[l] ≥ 0: put its references, which are
@@ -120,7 +137,10 @@ def order_lists(positions, triangles, references, starts, first_rows, cells, beg
             continue
         first, count = starts[number], starts[number + 1] - starts[number]
         for k in range(count):
-            if not clip_extent(positions, triangles, np.int64(references[first + k]), cells[number], work, extent):
+            triangle = np.int64(references[first + k])
+            if not _lies_in(positions, triangles, triangle, cells[number], extent) and not clip_extent(
+                positions, triangles, triangle, cells[number], work, extent
+            ):
                 # Rounding alone brought it here.
                 extent[:] = cells[number]
             extents[_EXTENT * k : _EXTENT * (k + 1)] = extent
