@@ -1,4 +1,4 @@
-"""Six scenes that suit different accelerators."""
+"""Scenes that suit different accelerators."""
 
 from __future__ import annotations
 
@@ -131,6 +131,25 @@ def hair(strands: int = 6_000, cuts: int = 8) -> Geometry:
     return _loose(np.concatenate([first, second]).reshape(-1, 3, 3))
 
 
+def needles(count: int = 20_000) -> Geometry:
+    """Triangles five hundred times as long as wide, every way through a cube: each comes by many others."""
+    rng = np.random.default_rng(5)
+    along = rng.normal(size=(count, 3))
+    along /= np.linalg.norm(along, axis=1, keepdims=True)
+    middle = rng.uniform(-1, 1, (count, 3))
+    aside = 0.002 * np.cross(along, rng.normal(size=(count, 3)))
+    return _loose(np.stack([middle - along / 2, middle + along / 2, middle - along / 2 + aside], axis=1))
+
+
+def room() -> Geometry:
+    """Six bunnies on the floor of a room whose walls are two triangles each."""
+    points, triangles = scan()
+    places = [np.array([x, -0.9, z]) for x in (-2, 2) for z in (-2, 0, 2)]
+    walls = _block(np.array([-3.0, -1.0, -3.0]), np.array([3.0, 2.5, 3.0]), 1)
+    points, triangles = _joined([*((points * 0.1 + place, triangles) for place in places), walls])
+    return points.astype(np.float32), triangles
+
+
 SCENES: dict[str, Callable[[], Geometry]] = {
     "soup": soup,
     "scan": scan,
@@ -138,6 +157,8 @@ SCENES: dict[str, Callable[[], Geometry]] = {
     "stadium": teapot_in_stadium,
     "hair": hair,
     "dragon": dragon,
+    "needles": needles,
+    "room": room,
 }
 
 

@@ -1,4 +1,4 @@
-"""Accelerators against the tree of eight children a node, on six scenes: building, memory, rays, visits.
+"""Accelerators against the tree of eight children a node, on eight scenes: building, memory, rays, visits.
 
     python bench/accelerators.py [--rounds 5] [--size 192] [--scenes soup scan …] [--accelerators grid …]
     python bench/accelerators.py --agree 1000000

@@ -310,7 +310,7 @@ def choose_subgrids(
         chosen[cell, 0] = chosen[cell, 1] = chosen[cell, 2] = _ZERO
         first, last = starts[cell], starts[cell + 1]
         count = last - first
-        if _ENTER_COST >= _WORTH * item_cost * count:
+        if _WORTH * item_cost * count <= _ENTER_COST:
             continue
         _cell_box(frames, shapes, grid, cell, around)
         if not _parts_in_cell(positions, triangles, references, first, last, around, work, extent, sums, box):

@@ -12,8 +12,8 @@ lane span the box of a thing, and the lane's number is the thing's. It is asked 
 A code is 0 or more. A test that meets something leaves t in the ray's LIMIT, and may leave weights; it keeps the ray's
 words from STACK on as they are. Where `any` is not 0, the first code that a test gives will do.
 
-A leaf's boxes are tested four at a time before any thing is, and a thing that stands in several leaves is tested once,
-but for what a mailbox of 64 places forgets.
+A leaf's boxes are tested four at a time before any thing is, and of those that are entered the nearest comes first. A
+thing that stands in several leaves is tested once, but for what a mailbox of 64 places forgets.
 """
 
 from __future__ import annotations
@@ -41,6 +41,7 @@ from isophote.kernels.base.entry import call_entry, element_address
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.simd import (
     bits,
+    lane,
     load4,
     load_float,
     load_int,
@@ -131,13 +132,26 @@ def _planes(blocks, at, origin, inverse, slack):
 
 @device
 def _entered(blocks, block, things, limit):
-    """Which boxes of a block the ray enters before `limit`, as bits."""
+    """(bits, distances): which boxes of a block the ray enters before `limit`, and where."""
     at = block * BLOCK
     x0, x1 = _planes(blocks, at, things.ox, things.ix, things.sx)
     y0, y1 = _planes(blocks, at + LANES, things.oy, things.iy, things.sy)
     z0, z1 = _planes(blocks, at + 2 * LANES, things.oz, things.iz, things.sz)
     near = maximum(maximum(x0, y0), maximum(z0, splat4(_ZERO)))
-    return bits(near <= minimum(minimum(x1, y1), minimum(z1, splat4(limit))))
+    return bits(near <= minimum(minimum(x1, y1), minimum(z1, splat4(limit)))), near
+
+
+@device
+def _nearest_of(entered, near):
+    """The lane of the nearest of the boxes entered, at least one."""
+    found = lowest_bit(entered)
+    entered &= entered - np.int32(1)
+    while entered != 0:
+        k = lowest_bit(entered)
+        entered &= entered - np.int32(1)
+        if lane(near, k) < lane(near, found):
+            found = k
+    return found
 
 
 @device
@@ -178,11 +192,13 @@ def tested_in_leaf(count, things):
 @device
 def _closest_in_boxes(blocks, first, count, things, nearest, words):
     for block in range(first, first + ((count + (LANES - 1)) >> _SHIFT)):
-        entered = _entered(blocks, block, things, nearest.t)
+        entered, near = _entered(blocks, block, things, nearest.t)
         while entered != 0:
-            k = np.int64(lowest_bit(entered))
-            entered &= entered - np.int32(1)
-            thing = load_int(blocks, block * BLOCK + NUMBER + k)
+            k = _nearest_of(entered, near)
+            entered &= ~(np.int32(1) << k)
+            if lane(near, k) > nearest.t:
+                break
+            thing = load_int(blocks, block * BLOCK + NUMBER + np.int64(k))
             if thing >= 0 and not _known(thing, words):
                 nearest = test_thing(thing, things, nearest, words)
                 if enough(things, nearest):
