@@ -36,7 +36,7 @@ TOPICS = {
     "occlusion": _Topic("occlusion", ("trees", "fields", "primitives")),
     "rays": _Topic("rays", ("trees",)),
     "fields": _Topic("fields", ("trees", "fields", "primitives")),
-    "agreement": _Topic("agreement", ("path", "ray", "first hits", "trees")),
+    "agreement": _Topic("agreement", ("path", "ray", "waves", "first hits", "trees")),
 }
 # Methods are what takes long to compile; the rest is compiled in a second process beside them.
 _METHODS = ("path",)

@@ -86,6 +86,12 @@ def _sphere_tracer() -> None:
     sphere_trace.sphere_trace_tile(*words, 0, 0, 0, 0)
 
 
+def _waves() -> None:
+    from isophote.kernels.trace import wave_entries
+
+    wave_entries.compile_entries()
+
+
 def _first_hits() -> None:
     from isophote.kernels.trace import first_hit
 
@@ -178,6 +184,7 @@ _PARTS = {
     "ray": _Part("trace/ray_trace.py", "ray_trace_tile", _ray_tracer),
     "occlusion": _Part("trace/occlusion_picture.py", "occlusion_tile", _occlusion),
     "sphere": _Part("trace/sphere_trace.py", "sphere_trace_tile", _sphere_tracer),
+    "waves": _Part("trace/wave_entries.py", "blocked_of_wave", _waves),
     "first hits": _Part("trace/first_hit.py", "first_hits", _first_hits),
     "trees": _Part("accel/build_wide.py", "fill_blocks", _trees),
     "fields": _Part("accel/field_build.py", "split_regions", _fields),
@@ -248,6 +255,8 @@ def warm_up(report: Reporter, scene: Scene, method: str, accelerator: str = "bvh
         rest.append("light tree")
     if method == "path" and scene.medium is not None:
         rest.append("air")
+    if method == "ray":
+        rest.append("waves")
     warm_parts(report, [method], rest)
 
 

@@ -37,7 +37,6 @@ from isophote.kernels.light.emitter_lanes import sample_lanes, sampled_in_lanes
 from isophote.kernels.light.medium import Boundary, attenuation, medium_towards
 from isophote.kernels.trace import ray_tree
 from isophote.kernels.trace import wave as rows
-from isophote.kernels.trace.batch import find_blocked
 from isophote.kernels.trace.boundary import set_relative_index
 from isophote.kernels.trace.cone import cone_radius
 from isophote.kernels.trace.holes import has_holes, share_left
@@ -47,6 +46,7 @@ from isophote.kernels.trace.ray_log import log_light, log_visible
 from isophote.kernels.trace.samples import FIRST
 from isophote.kernels.trace.shadow_tint import DIRECTION, END, LEFT
 from isophote.kernels.trace.wave import add_radiance, row_vec3, set_row_vec3
+from isophote.kernels.trace.wave_entries import ask_blocked
 
 __all__ = ["light_surfaces", "prepare_surface", "remember_surface"]
 
@@ -369,5 +369,5 @@ def light_surfaces(tables, plan, tree, wave, log, count, coherent):
             for h in range(0, here, rows.LANES):
                 count_here = min(here - h, np.int64(rows.LANES))
                 made = _aim(tables, tree, wave, log, first, h, count_here, begin, end, made)
-            find_blocked(tables, wave, made, coherent)
+            ask_blocked(tree.entries, tables, wave, made, coherent)
             _collect(tables, tree, wave, log, made)

@@ -22,7 +22,7 @@ from isophote.kernels.light.environment import environment_radiance
 from isophote.kernels.light.medium import attenuation, current_medium, medium_ior, surface_boundary
 from isophote.kernels.trace import ray_log, ray_tree
 from isophote.kernels.trace import wave as rows
-from isophote.kernels.trace.batch import LAMP, trace_rays
+from isophote.kernels.trace.batch import LAMP
 from isophote.kernels.trace.boundary import goes_smoothly, split_ray
 from isophote.kernels.trace.cone import cone_radius, leaving_cone
 from isophote.kernels.trace.direct import is_surface, surface_of
@@ -32,10 +32,11 @@ from isophote.kernels.trace.ray_lights import light_surfaces, prepare_surface, r
 from isophote.kernels.trace.ray_log import LOG, log_camera, log_hit, log_terms
 from isophote.kernels.trace.ray_matte import face_matte, has_ambient, note_matte
 from isophote.kernels.trace.ray_tree import TREE, branch, gather, next_level, start_trees, sum_levels, take
-from isophote.kernels.trace.samples import Tile, are_neighbours, develop, draw, start_paths
+from isophote.kernels.trace.samples import Tile, are_neighbours, develop
 from isophote.kernels.trace.shading import surface_colour, surface_emission
 from isophote.kernels.trace.tables import FILM, PLAN, SCENE
 from isophote.kernels.trace.wave import add_radiance, row_vec3
+from isophote.kernels.trace.wave_entries import ask_closest, ask_numbers, ask_start
 
 __all__ = ["ray_trace_tile"]
 
@@ -200,8 +201,8 @@ def _meet_surface(tables, plan, tree, wave, log, level, i, lit):
 def _shade(tables, plan, tree, wave, log, level, count):
     """What every ray gathers, lights apart. Returns how many surfaces lights shine on."""
     if has_ambient(tables):
-        draw(plan, wave, count, _PICK, rows.PICK_U)
-        draw(plan, wave, count, _SCATTER, rows.SCATTER_U)
+        ask_numbers(tree.entries, plan, wave, count, _PICK, np.int64(rows.PICK_U))
+        ask_numbers(tree.entries, plan, wave, count, _SCATTER, np.int64(rows.SCATTER_U))
     told = log.rays.rows > 0 or tree.tint != 0 or has_holes(tables)
     lit = np.int64(0)
     for i in range(count):
@@ -233,7 +234,10 @@ def ray_trace_tile(scene_words, plan_words, film_words, wave_words, tree_words, 
     tree, log = open_tree(tree_words), open_log(log_words)
     tile, levels = Tile(x0, x1, y0, y1), plan.max_depth
     begun = np.int64(0)
-    trees, place = start_paths(tables, plan, film, tile, begun, wave)
+    # A tile without pixels needs no tables (rendering/warm.py).
+    trees, place = begun, begun
+    if x0 < x1 and y0 < y1:
+        trees, place = ask_start(tree.entries, tables, plan, film, tile, begun, wave)
     while trees > 0:
         together = are_neighbours(trees, begun, place)
         start_trees(tree, levels, trees)
@@ -244,7 +248,7 @@ def ray_trace_tile(scene_words, plan_words, film_words, wave_words, tree_words, 
             if has_holes(tables):
                 stop_at_any(wave, count)
             # Rays of one pixel leave the camera together; later ones go every way.
-            trace_rays(tables, wave, count, together and level == 0)
+            ask_closest(tree.entries, tables, wave, count, together and level == 0)
             lit = _shade(tables, plan, tree, wave, log, level, count)
             light_surfaces(tables, plan, tree, wave, log, lit, together and level == 0)
             gather(tree, wave, level, count)
@@ -254,4 +258,4 @@ def ray_trace_tile(scene_words, plan_words, film_words, wave_words, tree_words, 
         develop(plan, trees, wave, film)
         _count_rays(plan, tree, wave, trees)
         begun = place
-        trees, place = start_paths(tables, plan, film, tile, place, wave)
+        trees, place = ask_start(tree.entries, tables, plan, film, tile, place, wave)

@@ -30,6 +30,7 @@ from isophote.kernels.trace import wave as rows
 from isophote.kernels.trace.ray_log import ENDED_BY_DEPTH, ENDED_BY_WEIGHT, log_branch
 from isophote.kernels.trace.shadow_tint import RAY_WORDS
 from isophote.kernels.trace.wave import LANES, row_vec3, set_row_vec3
+from isophote.kernels.trace.wave_entries import ENTRIES, pack_entries
 
 __all__ = [
     "TREE",
@@ -73,8 +74,8 @@ _U = np.uint32
 # `floats`, `words`, `longs`, `waiting`: the lists above, level by level; `rays` (4, wave); `sums` (3 · levels, wave);
 # `surfaces`, `surface_numbers`; `jobs` (n, 3): each sample of each light as its group, its number and how many samples
 # that light gets; `draws` (2 m, h): the sample numbers of m of them for h surfaces; `keys` (2, h). `least`: what rays
-# must carry. `tint`: address of shadow_tint, or 0 where all that is in the way blocks, and `shadow`, one of its rays.
-# `traced` (pixels,): rays of each pixel.
+# must carry. `entries`: of wave_entries.py. `tint`: address of shadow_tint, or 0 where all that is in the way blocks,
+# and `shadow`, one of its rays. `traced` (pixels,): rays of each pixel.
 TREE = Table(
     "RayTree",
     floats=FLOAT_ROWS,
@@ -90,6 +91,7 @@ TREE = Table(
     keys=WORD_ROWS,
     least=FLOAT,
     tint=INT,
+    entries=ENTRIES,
     shadow=FLOATS,
     traced=LONGS,
 )
@@ -117,6 +119,7 @@ def new_tree(
         keys=np.zeros((KEY_ROWS, several), np.uint32),
         least=least,
         tint=tint,
+        entries=pack_entries(),
         shadow=np.zeros(RAY_WORDS, np.float32),
         traced=traced,
     )
