@@ -141,7 +141,7 @@ def tell_patterns(found: dict[tuple[str, str], Array]) -> None:
         of_independent = errors[2] / found[scene, "independent"][2]
         rows.append([f"{scene}, {pattern}", *errors, slope, of_independent])
     print_table(["scene, pattern", *(f"{n} samples" for n in COUNTS), "slope", "at 16, of independent"], rows)
-    low = ("blue-noise", "sobol")
+    low = ("antithetic", "blue-noise", "sobol")
     rows = []
     for kind, scenes, goal in (("smooth", SMOOTH, 0.25), ("edges", EDGES, 0.3), ("many dimensions", DEEP, 1.0)):
         for pattern in low:

@@ -28,7 +28,7 @@ scene = iso.Scene(
     name="Where samples go",
 )
 
-PATTERNS = ("regular", "independent", "jittered", "sobol", "blue-noise")
+PATTERNS = ("regular", "independent", "jittered", "antithetic", "sobol", "blue-noise")
 FILTERS = ("box", "tent", "gaussian", "blackman-harris", "mitchell", "lanczos")
 
 

@@ -276,7 +276,7 @@ def same_mean(a: iso.Image, b: iso.Image) -> bool:
 
 def test_patterns_have_the_same_mean():
     """ "regular" is left out: its middles of cells have an error of their own."""
-    names = ("blue-noise", "sobol", "jittered", "independent")
+    names = ("blue-noise", "sobol", "antithetic", "jittered", "independent")
     first, *others = (room(samples=256, pattern=name) for name in names)
     for other in others:
         assert same_mean(first, other)

@@ -9,6 +9,7 @@ from numba import njit
 import isophote as iso
 from isophote.errors import RenderError
 from isophote.kernels.base.sampler import (
+    ANTITHETIC,
     BLUE_NOISE,
     INDEPENDENT,
     JITTERED,
@@ -19,7 +20,7 @@ from isophote.kernels.base.sampler import (
     pixel_number,
 )
 
-PATTERNS = [INDEPENDENT, JITTERED, SOBOL, BLUE_NOISE]
+PATTERNS = [INDEPENDENT, JITTERED, SOBOL, BLUE_NOISE, ANTITHETIC]
 EVERY = [*PATTERNS, REGULAR]
 
 
@@ -152,22 +153,25 @@ def test_dimensions_pixels_and_seeds_are_not_correlated(pattern):
     assert abs(np.corrcoef(base.T)[0, 1]) < 5 / np.sqrt(count)
 
 
+@pytest.mark.parametrize("dimension", [0, 7])
 @pytest.mark.parametrize("pattern", EVERY)
-def test_many_at_once_are_the_same_as_one_by_one_in_any_grouping(pattern):
+def test_many_at_once_are_the_same_as_one_by_one_in_any_grouping(pattern, dimension):
     rng = np.random.default_rng(5)
     n = 333
     pixels = rng.integers(0, 2**20, n).astype(np.uint32)
     samples = rng.integers(0, 100, n).astype(np.uint32)
     u, v = np.full((2, n + 1), -1, np.float32)
-    drawn(pattern, 3, pixels, samples, 7, 100, n, u, v)
+    drawn(pattern, 3, pixels, samples, dimension, 100, n, u, v)
     assert u[n] == v[n] == -1
     alone = zip(pixels, samples, strict=True)
-    single = np.concatenate([sample(pattern, 1, pixel=p, seed=3, dimension=7, first=s, planned=100) for p, s in alone])
+    single = np.concatenate(
+        [sample(pattern, 1, pixel=p, seed=3, dimension=dimension, first=s, planned=100) for p, s in alone]
+    )
     assert np.array_equal(np.stack([u[:n], v[:n]], 1), single)
     for start, size in ((0, 1), (5, 8), (100, 233)):
         a, b = np.zeros((2, size), np.float32)
         part = slice(start, start + size)
-        drawn(pattern, 3, pixels[part].copy(), samples[part].copy(), 7, 100, size, a, b)
+        drawn(pattern, 3, pixels[part].copy(), samples[part].copy(), dimension, 100, size, a, b)
         assert np.array_equal(a, u[part])
         assert np.array_equal(b, v[part])
 

@@ -125,7 +125,7 @@ def test_a_shining_mesh_is_one_light():
     assert (image.channels["rays"] > 16 * 20).all()
 
 
-@pytest.mark.parametrize("pattern", ["blue-noise", "sobol", "jittered", "regular", "independent"])
+@pytest.mark.parametrize("pattern", ["blue-noise", "sobol", "antithetic", "jittered", "regular", "independent"])
 def test_every_pattern_gives_the_same_light(pattern):
     exact = penumbra(2, 3, -1.5, 3)
     row = floor([RECTANGLE], samples=16, light_samples=16, pattern=pattern)[PIXELS // 2 - 4 : PIXELS // 2 + 4]

@@ -12,7 +12,7 @@ __all__ = ["FILTERS", "FORM_FACTORS", "PATTERNS", "SOLVERS", "WAYS", "one_of", "
 
 # Names of reconstruction filters and of sample patterns; what knows these and the following for good loads slowly.
 FILTERS = ("box", "tent", "gaussian", "mitchell", "blackman-harris", "lanczos")
-PATTERNS = ("blue-noise", "sobol", "jittered", "regular", "independent")
+PATTERNS = ("blue-noise", "antithetic", "sobol", "jittered", "regular", "independent")
 # Of radiosity, how light is exchanged and what patches see of each other; of ambient occlusion, how it is found.
 SOLVERS = ("hierarchical", "gathering", "shooting")
 FORM_FACTORS = ("rays", "hemicube", "hemisphere")

@@ -37,6 +37,7 @@ PATTERNS = {
     "blue-noise": sampler.BLUE_NOISE,
     "sobol": sampler.SOBOL,
     "jittered": sampler.JITTERED,
+    "antithetic": sampler.ANTITHETIC,
     "regular": sampler.REGULAR,
     "independent": sampler.INDEPENDENT,
 }

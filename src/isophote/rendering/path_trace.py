@@ -41,9 +41,10 @@ class PathTrace:
 
     `filter` is a `PixelFilter` or its name: "box", "tent", "gaussian", "blackman-harris", "mitchell" or "lanczos".
     `pattern` is "blue-noise" (Owen-scrambled Sobol points, shared out among neighbours), "sobol" (the same for each
-    pixel by itself), "jittered", "regular" (the middles of cells; not unbiased) or "independent". `accelerator` names
-    what finds what rays meet. Without a limit of time the same seed gives the same bits on every machine of one kind,
-    whatever the threads and tiles. Raises `RenderError` for settings out of range.
+    pixel by itself), "antithetic" (as "blue-noise", but in the pixel one in each cell of a grid, mirrored from cell to
+    cell: less error at edges), "jittered", "regular" (the middles of cells; not unbiased) or "independent".
+    `accelerator` names what finds what rays meet. Without a limit of time the same seed gives the same bits on every
+    machine of one kind, whatever the threads and tiles. Raises `RenderError` for settings out of range.
 
     Sources: Kajiya, "The Rendering Equation", SIGGRAPH 1986; Veach, Guibas, "Optimally Combining Sampling Techniques
     for Monte Carlo Rendering", SIGGRAPH 1995.

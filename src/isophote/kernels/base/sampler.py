@@ -12,6 +12,10 @@ padded, that is, shuffled against each other.
                   side by side share out a well-spread set, so that their errors cancel from near, and noise is blue
                   (Ahmed, Wonka: "Screen-Space Blue-Noise Diffusion of Monte Carlo Sampling Error via Hierarchical
                   Ordering of Pixels", SIGGRAPH Asia 2020)
+    ANTITHETIC    on the film one point in each cell of a grid, at places that are mirrored from cell to cell: of two
+                  neighbours that an edge or a slope goes through, one has too much and one too little (Haber: "A
+                  Modified Monte-Carlo Quadrature II", Math. Comp. 21, 1967; Kensler: "Correlated Multi-Jittered
+                  Sampling", Pixar 13-01, 2013); in all other dimensions as BLUE_NOISE
 
 Pixels are numbered by `pixel_number`, so that pixels of near numbers are near. Loops are over plain arrays, and what
 they call is inlined however long it is, so that the compiler does eight at a time.
@@ -24,18 +28,32 @@ import numpy as np
 from isophote.kernels.base.jit import device, exact_inline
 from isophote.kernels.base.random import combine, mix, owen, permute, reverse_bits, sobol_1, unit_float
 
-__all__ = ["BLUE_NOISE", "INDEPENDENT", "JITTERED", "REGULAR", "SOBOL", "draw_pairs", "pair", "pixel_number"]
+__all__ = [
+    "ANTITHETIC",
+    "BLUE_NOISE",
+    "INDEPENDENT",
+    "JITTERED",
+    "REGULAR",
+    "SOBOL",
+    "draw_pairs",
+    "pair",
+    "pixel_number",
+]
 
 INDEPENDENT = 0
 JITTERED = 1
 SOBOL = 2
 REGULAR = 3
 BLUE_NOISE = 4
+ANTITHETIC = 5
 
 _U = np.uint32
 _HALF = np.float32(0.5)
 _ONE_BELOW = np.float32(1 - 2.0**-24)
 _EVEN_BITS = _U(0x55555555)
+_FILM = 0
+# Beyond so many, which nobody plans but those who wait for a noise or a time, cells would be too small to be filled.
+_MOST_CELLS = 4096
 
 
 @device
@@ -110,6 +128,57 @@ def _blue_noise_pair(key, pixel, sample, block):
 
 
 @device
+def _within(cell, offset, cells):
+    return min((np.float32(np.int32(cell)) + offset) / np.float32(np.int32(cells)), _ONE_BELOW)
+
+
+@exact_inline
+def _packed(a):
+    """The even bits of `a` side by side."""
+    a = _U(a & _EVEN_BITS)
+    a = _U((a | (a >> _U(1))) & _U(0x33333333))
+    a = _U((a | (a >> _U(2))) & _U(0x0F0F0F0F))
+    a = _U((a | (a >> _U(4))) & _U(0x00FF00FF))
+    return _U((a | (a >> _U(8))) & _U(0xFFFF))
+
+
+@exact_inline
+def _mirrored(u, odd):
+    return _ONE_BELOW - u if odd & _U(1) else u
+
+
+@device
+def _takes_grid(pattern, count, dimension):
+    return pattern == ANTITHETIC and dimension == _FILM and count <= _MOST_CELLS
+
+
+@device
+def _grid(block):
+    """(columns, rows, places) of the grid of `block` cells, a power of two, and the places that a pixel takes: one for
+    two columns and two rows."""
+    columns = _U(1)
+    while _U(columns * columns) < block:
+        columns = _U(columns * _U(2))
+    return columns, _U(block // columns), _U(max(columns >> _U(1), _U(1)))
+
+
+@exact_inline
+def _antithetic_pair(key, pixel, sample, block, columns, rows, places):
+    """All cells of a row have one place across them, and all of a column one along them; the next row's or column's is
+    its mirror image. A pixel takes the few places that this needs from one sequence for all, as blue noise does."""
+    square = _U((np.uint64(pixel) * np.uint64(places)) >> np.uint64(32))
+    key = _U(key ^ mix(_U(square ^ _U(_U(sample & _U(~_U(block - _U(1)))) * _U(0x9E3779B1)))))
+    # Any 4^k samples in a row from a multiple of it on lie in as many squares of cells.
+    order = owen(reverse_bits(sample), mix(_U(key ^ mix(_U(pixel ^ _U(0x7D2A4F1B))))))
+    cell = _U((np.uint64(order) * np.uint64(block)) >> np.uint64(32))
+    column, row = _packed(cell), _packed(_U(cell >> _U(1)))
+    first = _U(_turned(pixel, key) * places)
+    u = _sobol_point(reverse_bits(_U(first | (row >> _U(1)))), key)[0]
+    v = _sobol_point(reverse_bits(_U(first | (column >> _U(1)))), key)[1]
+    return _within(column, _mirrored(u, row), columns), _within(row, _mirrored(v, column), rows)
+
+
+@device
 def _cell(key, sample, count):
     """(column, row, columns, rows): cell `permute(sample)` of a grid with columns · rows ≥ count."""
     columns = _U(np.ceil(np.sqrt(np.float64(count))))
@@ -118,11 +187,6 @@ def _cell(key, sample, count):
     turn = _U(sample // block)
     cell = permute(_U(sample % block), block, combine(key, turn))
     return _U(cell % columns), _U(cell // columns), columns, rows
-
-
-@device
-def _within(cell, offset, cells):
-    return min((np.float32(np.int32(cell)) + offset) / np.float32(np.int32(cells)), _ONE_BELOW)
 
 
 @device
@@ -147,7 +211,11 @@ def _key(seed, pixel, dimension):
 def pair(pattern, seed, pixel, sample, count, dimension):
     """The two numbers of one (pixel, sample, dimension); `count` is the number of samples planned for a pixel."""
     seed, pixel, sample, dimension = _U(seed), _U(pixel), _U(sample), _U(dimension)
-    if pattern == BLUE_NOISE:
+    if _takes_grid(pattern, count, dimension):
+        block = _power_above(count)
+        columns, rows, places = _grid(block)
+        return _antithetic_pair(combine(seed, dimension), pixel, sample, block, columns, rows, places)
+    if pattern in (BLUE_NOISE, ANTITHETIC):
         return _blue_noise_pair(combine(seed, dimension), pixel, sample, _power_above(count))
     key = _key(seed, pixel, dimension)
     if pattern == SOBOL:
@@ -163,8 +231,12 @@ def pair(pattern, seed, pixel, sample, count, dimension):
 def draw_pairs(pattern, seed, pixels, samples, count, dimension, n, out_u, out_v):
     """`pair` for the first `n` of the (pixel, sample) given, into `out_u` and `out_v`."""
     seed, dimension, count = _U(seed), _U(dimension), _U(count)
-    if pattern == BLUE_NOISE:
-        key, block = combine(seed, dimension), _power_above(count)
+    key, block = combine(seed, dimension), _power_above(count)
+    if _takes_grid(pattern, count, dimension):
+        columns, rows, places = _grid(block)
+        for i in range(n):
+            out_u[i], out_v[i] = _antithetic_pair(key, pixels[i], samples[i], block, columns, rows, places)
+    elif pattern in (BLUE_NOISE, ANTITHETIC):
         for i in range(n):
             out_u[i], out_v[i] = _blue_noise_pair(key, pixels[i], samples[i], block)
     elif pattern == SOBOL:
