@@ -17,6 +17,7 @@ __all__ = [
     "SURFACES",
     "Surface",
     "blend_corners",
+    "corner_at",
     "face_number",
     "item_of",
     "normal_to_world",
@@ -79,7 +80,8 @@ class Surface(NamedTuple):
 
 
 @device
-def _corner(blocks, at):
+def corner_at(blocks, at):
+    """The corner whose first coordinate is word `at` of leaf blocks."""
     return vec3(load_float(blocks, at), load_float(blocks, at + LANES), load_float(blocks, at + 2 * LANES))
 
 
@@ -159,7 +161,7 @@ def true_normal(geometry, surfaces, hit, item):
     """Unit geometric normal of a `Hit`, outward."""
     blocks = geometry.blocks
     at = hit.slot // LANES * BLOCK + hit.slot % LANES
-    a, b, c = _corner(blocks, at), _corner(blocks, at + 3 * LANES), _corner(blocks, at + 6 * LANES)
+    a, b, c = corner_at(blocks, at), corner_at(blocks, at + 3 * LANES), corner_at(blocks, at + 6 * LANES)
     return _oriented_normal(geometry, surfaces, hit.instance, item, a, b, c)
 
 
@@ -175,7 +177,7 @@ def surface_at(geometry, surfaces, hit):
     blocks, instance = geometry.blocks, hit.instance
     block = hit.slot // LANES
     at = block * BLOCK + hit.slot % LANES
-    a, b, c = _corner(blocks, at), _corner(blocks, at + 3 * LANES), _corner(blocks, at + 6 * LANES)
+    a, b, c = corner_at(blocks, at), corner_at(blocks, at + 3 * LANES), corner_at(blocks, at + 6 * LANES)
     number = np.int64(load_int(blocks, at + NUMBER))
     w1, w2 = hit.weight1, hit.weight2
     w0 = _ONE - w1 - w2

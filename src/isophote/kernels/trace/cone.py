@@ -30,7 +30,7 @@ from isophote.kernels.trace import wave as rows
 from isophote.kernels.trace.shading import write_surface
 from isophote.kernels.trace.wave import row_vec3
 
-__all__ = ["carry_cone", "cone_radius", "leaving_cone", "pixel_cone", "start_cones"]
+__all__ = ["carry_cone", "carry_scattered_cone", "cone_radius", "leaving_cone", "pixel_cone", "start_cones"]
 
 _ZERO, _HALF, _ONE = np.float32(0), np.float32(0.5), np.float32(1)
 # Rows of the camera (camera.py).
@@ -112,6 +112,13 @@ def _turned(scene, surface, hit, direction, into, width, spread, scratch):
     return (eta * cosine * spread + (eta * cosine - after) * bend) / math.sqrt(max(cosine * after, _LEAST_SINE))
 
 
+@device
+def _scattered(plan, width, spread, density):
+    """(half-width, spread) of a cone after scattering of some density where it is `width` wide."""
+    share = _share(plan.samples)
+    return abs(width), min(math.sqrt(spread * spread + share * share * INV_PI / density), _WIDEST)
+
+
 @exact_apart
 def _leaving(scene, plan, wave, i, surface, hit, direction, into, density):
     """What `leaving_cone` tells where there are textures. Apart, so that tiles without have nothing of it."""
@@ -119,8 +126,7 @@ def _leaving(scene, plan, wave, i, surface, hit, direction, into, density):
     width = wave.floats[rows.WIDTH, i] + hit.t * spread
     if density == _ZERO:
         return width, _turned(scene, surface, hit, direction, into, width, spread, wave.scratch)
-    share = _share(plan.samples)
-    return abs(width), min(math.sqrt(spread * spread + share * share * INV_PI / density), _WIDEST)
+    return _scattered(plan, width, spread, density)
 
 
 @device
@@ -130,6 +136,16 @@ def leaving_cone(scene, plan, wave, i, surface, hit, direction, into, density):
     if scene.textures.nodes.rows == 0:
         return _ZERO, _ZERO
     return _leaving(scene, plan, wave, i, surface, hit, direction, into, density)
+
+
+@device
+def carry_scattered_cone(scene, plan, wave, i, to, t, density):
+    """Let the cone in wave column `i` go on in column `to` from where it was scattered after `t`."""
+    if scene.textures.nodes.rows > 0:
+        floats = wave.floats
+        spread = floats[rows.SPREAD, i]
+        width, spread = _scattered(plan, floats[rows.WIDTH, i] + t * spread, spread, density)
+        floats[rows.WIDTH, to], floats[rows.SPREAD, to] = width, spread
 
 
 @device

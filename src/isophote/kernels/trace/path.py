@@ -4,7 +4,8 @@
 
 At each surface light is gathered in two ways, by aiming at a light and by following the scattered ray, and the two
 are weighted by the power heuristic w = p² / (p² + q²) (Veach, Guibas: "Optimally Combining Sampling Techniques",
-1995). Paths end by chance, in proportion to what they carry.
+1995). Paths end by chance, in proportion to what they carry. Matte surfaces are taken sixteen at a time, others one by
+one.
 
 A constant sky is found by scattered rays alone: for them it has no variance but that of what stands in the way.
 """
@@ -14,13 +15,12 @@ from __future__ import annotations
 import numpy as np
 
 from isophote.kernels.accel.geometry import Hit
-from isophote.kernels.accel.surface import MATERIAL, offset_point, triangle_light
+from isophote.kernels.accel.surface import MATERIAL, offset_point
 from isophote.kernels.base.jit import device, kernel
 from isophote.kernels.base.vec import dot, maximum_component, vec3
-from isophote.kernels.base.warp import INV_PI, to_disk
-from isophote.kernels.light.bsdf import BLACK, LINKED, MATTE, scatter_matte
-from isophote.kernels.light.emitter import lamp_radiance, light_density, sample_light
-from isophote.kernels.light.environment import environment_density, environment_radiance
+from isophote.kernels.base.warp import to_disk
+from isophote.kernels.light.bsdf import BLACK, LINKED
+from isophote.kernels.light.emitter import sample_light
 from isophote.kernels.light.medium import (
     attenuation,
     current_medium,
@@ -36,12 +36,14 @@ from isophote.kernels.trace.cone import carry_cone, cone_radius
 from isophote.kernels.trace.direct import is_surface, surface_of
 from isophote.kernels.trace.holes import has_holes
 from isophote.kernels.trace.material import evaluate_linked, lit_side, prepare_linked, sample_linked
+from isophote.kernels.trace.matte_lanes import gather_matte, move_path, move_shadow, scatter_matte
 from isophote.kernels.trace.painted_lights import tint_of_light
-from isophote.kernels.trace.pick import chance_of_light, pick_for
+from isophote.kernels.trace.path_met import add_emitted, add_lamp, add_sky
+from isophote.kernels.trace.pick import pick_for
 from isophote.kernels.trace.samples import FIRST, Tile, are_neighbours, develop, draw, start_paths
-from isophote.kernels.trace.shading import mirror_ray, scatter_glass_ray, seen_normal, surface_colour, surface_emission
+from isophote.kernels.trace.shading import mirror_ray, scatter_glass_ray, surface_colour
 from isophote.kernels.trace.tables import FILM, PLAN, SCENE
-from isophote.kernels.trace.wave import add_radiance, row_vec3, set_row_vec3
+from isophote.kernels.trace.wave import row_vec3, set_row_vec3
 
 __all__ = ["path_trace_tile"]
 
@@ -77,75 +79,19 @@ def _draw_step(plan, wave, count, depth):
 
 
 @device
-def _power_weight(p, q):
-    """Share of the technique of density `p` beside one of density `q`."""
-    return p * p / (p * p + q * q)
-
-
-@device
-def _weight_of_meeting(lights, wave, i, k, scattered, origin, to_light):
-    """Share of a scattered ray of density `scattered` that meets light `k`, which could have been aimed at too."""
-    if scattered == _ZERO:
-        return _ONE
-    chance = chance_of_light(lights, wave.ask, k, origin, row_vec3(wave.floats, rows.FROM_NORMAL, i))
-    return _power_weight(scattered, chance * light_density(lights, k, origin, to_light))
-
-
-@device
-def _sky(tables, direction, scattered):
-    """Radiance of a ray that meets nothing, weighted."""
-    environment = tables.lights.environment
-    radiance = environment_radiance(environment, direction)
-    if environment.height == 0 or scattered == _ZERO:
-        return radiance
-    # A picture of the sky is always the last light; the constant part is not aimed at by itself.
-    k = tables.lights.kinds.rows - 1
-    chance = tables.lights.cdf[k + 1] - tables.lights.cdf[k]
-    aimed = chance * environment_density(environment, direction)
-    return radiance * _power_weight(scattered, aimed)
-
-
-@device
-def _emitted(tables, wave, i, met, origin, scattered):
-    """Radiance that a surface emits along the ray that met it, weighted."""
-    surface, hit, direction = met
-    radius = cone_radius(wave, i, hit.t)
-    emitted, two_sided = surface_emission(tables, surface, hit, direction, radius, wave.scratch)
-    if maximum_component(emitted) <= _ZERO:
-        return emitted
-    if not two_sided and dot(direction, surface.normal) >= _ZERO:
-        return vec3(_ZERO, _ZERO, _ZERO)
-    k = triangle_light(tables.surfaces, surface.item, surface.triangle)
-    if k < 0:
-        return emitted
-    return emitted * _weight_of_meeting(tables.lights, wave, i, k, scattered, origin, surface.place - origin)
-
-
-@device
-def _towards_light(tables, wave, kind, surface, shading, out, colour, direction):
-    """(f cosθ, density of scattering) towards a light; below 0 where a matte surface is not seen from there."""
-    if kind == LINKED:
-        return evaluate_linked(tables, surface, direction, wave.scratch)
-    density = dot(shading, direction) * INV_PI
-    # Light must come from the side that is looked at, by the true normal too.
-    seen = dot(surface.normal, direction) * dot(surface.normal, out) > _ZERO
-    return colour * (density if seen else -_ONE), density
-
-
-@device
-def _aim(tables, wave, i, at, kind, surface, boundary, shading, out, colour, carried):
-    """Aim at a light on the side of the normal `shading`, or anywhere if that is zero; the shadow ray goes to wave
-    column `at`. Returns how many were made."""
+def _aim(tables, wave, i, at, surface, boundary, lit, carried):
+    """Aim at a light on the side of the normal `lit`, or anywhere if that is zero, from a surface whose material is
+    prepared; the shadow ray goes to wave column `at`. Returns how many were made."""
     lights = tables.lights
     if lights.kinds.rows == 0:
         return 0
     floats = wave.floats
-    k, chance = pick_for(lights, wave.ask, surface.place, shading, floats[rows.PICK_U, i])
+    k, chance = pick_for(lights, wave.ask, surface.place, lit, floats[rows.PICK_U, i])
     if k < 0:
         return 0
     sample = sample_light(lights, k, surface.place, floats[rows.LIGHT_U, i], floats[rows.LIGHT_V, i])
     direction = vec3(sample.x, sample.y, sample.z)
-    value, q = _towards_light(tables, wave, kind, surface, shading, out, colour, direction)
+    value, q = evaluate_linked(tables, surface, direction, wave.scratch)
     # w / p for the power heuristic's w = p² / (p² + q²) is p / (p² + q²).
     p = chance * sample.density
     weight = p / (p * p + q * q) if p > _ZERO else _ONE / chance
@@ -171,7 +117,8 @@ def _aim(tables, wave, i, at, kind, surface, boundary, shading, out, colour, car
 
 @device
 def _survives(worth_tracing, plan, depth, carried, u):
-    """Factor on what the path carries after a game of chance, 0 if it ends; fair because survivors carry more.
+    """Factor on what the path carries after a game of chance, 0 if it ends; fair because survivors carry more (also in
+    matte_lanes.py).
 
     Paths that carry little play: to end those that carry much would save rays but cost more in noise.
     """
@@ -237,89 +184,96 @@ def _cross_glass(media, surface, direction, boundary, inside, colour, u):
 
 
 @device
+def _meet_none(tables, plan, wave, i, depth, worth, to):
+    """The path in column `i` met no surface, but a lamp, the sky, or air that scatters. Returns how many rays were written
+    to column `to`."""
+    floats, longs = wave.floats, wave.longs
+    inside, slot = longs[rows.INSIDE, i], longs[rows.HIT_SLOT, i]
+    if slot == LAMP and longs[rows.HIT_INSTANCE, i] == SCATTERED:
+        return _go_on_in_air(worth, plan, wave, depth, i, to, inside)
+    carried = row_vec3(floats, rows.CARRIED, i)
+    carried = carried * attenuation(tables.media, current_medium(tables.media, inside), floats[rows.HIT_T, i])
+    if slot == LAMP:
+        add_lamp(tables, wave, i, carried)
+    else:
+        add_sky(tables, wave, i, carried)
+    return np.int64(0)
+
+
+@device
+def _meet_surface(tables, plan, wave, i, depth, worth, to, at):
+    """Emission, aiming and scattering of the path in column `i`, which met a surface that is not matte. Returns how many
+    rays were written to column `to`, and how many shadow rays to column `at`."""
+    floats, longs = wave.floats, wave.longs
+    none, shadows = np.int64(0), np.int64(0)
+    origin, direction = row_vec3(floats, rows.ORIGIN, i), row_vec3(floats, rows.DIRECTION, i)
+    carried, inside = row_vec3(floats, rows.CARRIED, i), longs[rows.INSIDE, i]
+    hit = Hit(
+        floats[rows.HIT_T, i],
+        floats[rows.HIT_W1, i],
+        floats[rows.HIT_W2, i],
+        longs[rows.HIT_SLOT, i],
+        longs[rows.HIT_INSTANCE, i],
+    )
+    surface = surface_of(tables, origin, direction, hit, wave.scratch)
+    material = np.int64(tables.surfaces.items[surface.item, MATERIAL])
+    kind = tables.materials.kinds[material]
+    boundary = surface_boundary(tables.media, material, inside, dot(direction, surface.normal) < _ZERO)
+    carried = carried * attenuation(tables.media, boundary.before, hit.t)
+    add_emitted(tables, wave, i, surface, hit, direction, carried)
+    if depth == plan.max_depth or kind == BLACK:
+        return none, none
+    radius, smoothly = cone_radius(wave, i, hit.t), goes_smoothly(tables, material, boundary)
+    normal, density = direction, _ZERO
+    # What is called by address looks its textures up by itself.
+    if smoothly or kind != LINKED:
+        colour = surface_colour(tables, surface, hit, direction, radius, wave.scratch)
+        if smoothly:
+            u = floats[rows.PICK_U, i]
+            into, weight, inside = _cross_glass(tables.media, surface, direction, boundary, inside, colour, u)
+        else:
+            into, weight = mirror_ray(surface, direction), colour
+    else:
+        prepare_linked(tables, surface, hit, direction, radius, wave.scratch)
+        set_relative_index(tables, material, boundary, dot(direction, surface.normal) < _ZERO, wave.scratch)
+        normal = lit_side(tables, material, wave.scratch)
+        if tables.materials.scatters[material] != 0:
+            shadows = _aim(tables, wave, i, at, surface, boundary, normal, carried)
+        x, y = floats[rows.SCATTER_U, i], floats[rows.SCATTER_V, i]
+        into, weight, density = sample_linked(tables, surface, x, y, floats[rows.PICK_U, i], wave.scratch)
+        inside = boundary.inside if dot(into, surface.normal) * dot(direction, surface.normal) > _ZERO else inside
+    carried = carried * weight
+    going = _go_on(tables, worth, plan, wave, depth, i, to, surface, normal, into, carried, density, inside)
+    if going > 0:
+        carry_cone(tables, plan, wave, i, to, surface, hit, direction, into, density)
+    return going, shadows
+
+
+@device
 def _shade(tables, plan, wave, count, depth, shadows):
     """Emission, aiming and scattering of every path; so many shadow rays are there already. Returns (paths that go on,
     shadow rays)."""
-    floats, ints, longs = wave.floats, wave.ints, wave.longs
-    alive = np.int64(0)
-    constant = tables.lights.environment.constant
+    alive, constant = np.int64(0), tables.lights.environment.constant
     worth = _WORTH_MET if constant[0] + constant[1] + constant[2] > _ZERO else _WORTH_AIMED
-    for i in range(count):
-        slot = longs[rows.HIT_SLOT, i]
-        owner = np.int64(ints[rows.OWNER, i])
-        origin, direction = row_vec3(floats, rows.ORIGIN, i), row_vec3(floats, rows.DIRECTION, i)
-        carried, scattered = row_vec3(floats, rows.CARRIED, i), floats[rows.DENSITY, i]
-        inside = longs[rows.INSIDE, i]
-        if not is_surface(slot):
-            medium = current_medium(tables.media, inside)
-            carried = carried * attenuation(tables.media, medium, floats[rows.HIT_T, i])
-            if slot == LAMP:
-                k = longs[rows.HIT_INSTANCE, i]
-                if k == SCATTERED:
-                    alive += _go_on_in_air(worth, plan, wave, depth, i, alive, inside)
-                    continue
-                to_light = direction * floats[rows.HIT_T, i]
-                radiance = lamp_radiance(tables.lights, k, origin + to_light, direction)
-                weight = _weight_of_meeting(tables.lights, wave, i, k, scattered, origin, to_light)
-                add_radiance(wave, owner, carried * radiance * weight)
+    for first in range(0, count, rows.LANES):
+        here = min(count - first, np.int64(rows.LANES))
+        matte, aimed, going = gather_matte(tables, wave, first, here), np.int32(0), np.int32(0)
+        if matte != 0 and depth < plan.max_depth:
+            aimed, going = scatter_matte(tables, plan, wave, first, depth, worth, matte)
+        for lane in range(here):
+            i, bit = first + lane, np.int32(1) << np.int32(lane)
+            if matte & bit:
+                if aimed & bit:
+                    move_shadow(tables, wave, i, lane, shadows)
+                    shadows += 1
+                if going & bit:
+                    move_path(tables, plan, wave, i, lane, alive)
+                    alive += 1
+            elif is_surface(wave.longs[rows.HIT_SLOT, i]):
+                went, made = _meet_surface(tables, plan, wave, i, depth, worth, alive, shadows)
+                alive, shadows = alive + went, shadows + made
             else:
-                add_radiance(wave, owner, carried * _sky(tables, direction, scattered))
-            continue
-        hit = Hit(
-            floats[rows.HIT_T, i], floats[rows.HIT_W1, i], floats[rows.HIT_W2, i], slot, longs[rows.HIT_INSTANCE, i]
-        )
-        surface = surface_of(tables, origin, direction, hit, wave.scratch)
-        material = np.int64(tables.surfaces.items[surface.item, MATERIAL])
-        kind = tables.materials.kinds[material]
-        boundary = surface_boundary(tables.media, material, inside, dot(direction, surface.normal) < _ZERO)
-        carried = carried * attenuation(tables.media, boundary.before, hit.t)
-        emitted = _emitted(tables, wave, i, (surface, hit, direction), origin, scattered)
-        if maximum_component(emitted) > _ZERO:
-            add_radiance(wave, owner, carried * emitted)
-        if depth == plan.max_depth or kind == BLACK:
-            continue
-        radius, smoothly = cone_radius(wave, i, hit.t), goes_smoothly(tables, material, boundary)
-        into, density, to = direction, _ZERO, alive
-        # What is called by address looks its textures up by itself.
-        colour = carried
-        if kind != LINKED or smoothly:
-            colour = surface_colour(tables, surface, hit, direction, radius, wave.scratch)
-        if kind == MATTE:
-            shading = seen_normal(surface, direction)
-            shading = shading if dot(direction, shading) < _ZERO else -shading
-            shadows += _aim(tables, wave, i, shadows, kind, surface, boundary, shading, -direction, colour, carried)
-            into, density = scatter_matte(shading, floats[rows.SCATTER_U, i], floats[rows.SCATTER_V, i])
-            if dot(into, surface.normal) * dot(direction, surface.normal) < _ZERO:
-                carried = carried * colour
-                alive += _go_on(
-                    tables, worth, plan, wave, depth, i, alive, surface, shading, into, carried, density, inside
-                )
-        elif smoothly:
-            u = floats[rows.PICK_U, i]
-            into, weight, inside = _cross_glass(tables.media, surface, direction, boundary, inside, colour, u)
-            carried = carried * weight
-            alive += _go_on(
-                tables, worth, plan, wave, depth, i, alive, surface, direction, into, carried, _ZERO, inside
-            )
-        elif kind == LINKED:
-            prepare_linked(tables, surface, hit, direction, radius, wave.scratch)
-            set_relative_index(tables, material, boundary, dot(direction, surface.normal) < _ZERO, wave.scratch)
-            lit = lit_side(tables, material, wave.scratch)
-            if tables.materials.scatters[material] != 0:
-                shadows += _aim(tables, wave, i, shadows, kind, surface, boundary, lit, direction, colour, carried)
-            x, y = floats[rows.SCATTER_U, i], floats[rows.SCATTER_V, i]
-            into, weight, density = sample_linked(tables, surface, x, y, floats[rows.PICK_U, i], wave.scratch)
-            inside = boundary.inside if dot(into, surface.normal) * dot(direction, surface.normal) > _ZERO else inside
-            carried = carried * weight
-            alive += _go_on(tables, worth, plan, wave, depth, i, alive, surface, lit, into, carried, density, inside)
-        else:
-            into = mirror_ray(surface, direction)
-            carried = carried * colour
-            alive += _go_on(
-                tables, worth, plan, wave, depth, i, alive, surface, direction, into, carried, _ZERO, inside
-            )
-        if alive > to:
-            carry_cone(tables, plan, wave, i, to, surface, hit, direction, into, density)
+                alive += _meet_none(tables, plan, wave, i, depth, worth, alive)
     return alive, shadows
 
 

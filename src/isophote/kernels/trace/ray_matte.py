@@ -11,10 +11,18 @@ import numpy as np
 
 from isophote.kernels.accel.geometry import Hit
 from isophote.kernels.accel.layout import BLOCK, LANES
-from isophote.kernels.accel.surface import FIRST_TRIANGLE, MATERIAL, NORMALS, blend_corners, item_of, triangle_number
+from isophote.kernels.accel.surface import (
+    FIRST_TRIANGLE,
+    MATERIAL,
+    NORMALS,
+    blend_corners,
+    corner_at,
+    item_of,
+    triangle_number,
+)
 from isophote.kernels.accel.surface_lanes import face_lanes, place_lanes
 from isophote.kernels.base.jit import device
-from isophote.kernels.base.simd import load_float, select, splat16, store_int
+from isophote.kernels.base.simd import select, splat16, store_int
 from isophote.kernels.base.vec import dot, maximum_component, vec3
 from isophote.kernels.base.warp import INV_PI
 from isophote.kernels.base.wide import load_lanes, load_wide, store_lanes, store_wide, wide_select
@@ -74,11 +82,6 @@ def _remember(tree, at, i, surface, direction, share):
 
 
 @device
-def _corner(blocks, at):
-    return vec3(load_float(blocks, at), load_float(blocks, at + LANES), load_float(blocks, at + 2 * LANES))
-
-
-@device
 def _note_triangle(tables, tree, wave, at, i, item, triangle, share):
     """Note a hit on a triangle in column `at`: its corners in place of the place and the normals."""
     floats, surfaces, blocks = tree.surfaces, tables.surfaces, tables.geometry.blocks
@@ -86,9 +89,9 @@ def _note_triangle(tables, tree, wave, at, i, item, triangle, share):
     first = slot // LANES * BLOCK + slot % LANES
     floats[ray_tree.PLAIN, at] = _NOTED
     store_int(floats[ray_tree.COLUMN], at, np.int32(i))
-    set_row_vec3(floats, ray_tree.PLACE, at, _corner(blocks, first))
-    set_row_vec3(floats, ray_tree.NORMAL, at, _corner(blocks, first + 3 * LANES))
-    set_row_vec3(floats, ray_tree.SHADING, at, _corner(blocks, first + 6 * LANES))
+    set_row_vec3(floats, ray_tree.PLACE, at, corner_at(blocks, first))
+    set_row_vec3(floats, ray_tree.NORMAL, at, corner_at(blocks, first + 3 * LANES))
+    set_row_vec3(floats, ray_tree.SHADING, at, corner_at(blocks, first + 6 * LANES))
     set_row_vec3(floats, ray_tree.SHARE, at, share)
     set_row_vec3(floats, ray_tree.FROM, at, row_vec3(wave.floats, rows.DIRECTION, i))
     floats[ray_tree.U, at], floats[ray_tree.V, at] = w1, w2

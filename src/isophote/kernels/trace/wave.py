@@ -55,13 +55,14 @@ INT_COUNT = 7
 HIT_SLOT, HIT_INSTANCE, ORDER, INSIDE = 0, 1, 2, 3
 LONG_COUNT = 4
 
-# Columns that are worked on at once.
-LANES = np.int64(16)
+# Columns that are worked on at once, and rows for what is found of them.
+LANES, LANE_ROWS = np.int64(16), 48
 # Floats in a line of the processor's memory, which what primitives keep in the scratch shall not cross.
 _LINE = 16
 
 
-# `floats`, `ints`, `longs`: the rows above; `scratch` for the traversal; `ask`: what a light tree is asked.
+# `floats`, `ints`, `longs`: the rows above; `scratch` for the traversal; `ask`: what a light tree is asked; `lanes`:
+# what is worked out for sixteen columns at a time (matte_lanes.py).
 WAVE = table.Table(
     "Wave",
     floats=table.FLOAT_ROWS,
@@ -69,6 +70,7 @@ WAVE = table.Table(
     longs=table.LONG_ROWS,
     scratch=table.FLOATS,
     ask=table.FLOATS,
+    lanes=table.FLOAT_ROWS,
 )
 
 
@@ -88,6 +90,7 @@ def new_wave(size: int, scratch: int = SCRATCH_WORDS) -> Packed:
         longs=np.zeros((LONG_COUNT, size), np.int64),
         scratch=_aligned(scratch),
         ask=np.zeros(ASK_WORDS, np.float32),
+        lanes=_aligned(LANE_ROWS * int(LANES)).reshape(LANE_ROWS, int(LANES)),
     )
 
 
