@@ -38,6 +38,8 @@ PLACE_ERROR = np.float32(32 * 2.0**-24)
 # How many of its errors a place is pulled in from the rim of its triangle, and the most in parts of the triangle.
 PULL, MOST_PULL = np.float32(4), np.float32(1 / 16)
 THIRD = np.float32(1 / 3)
+# So many items are counted, to find that of a triangle.
+_FEW_ITEMS = 16
 
 
 # What belongs to triangles apart from their corners.
@@ -89,12 +91,15 @@ def corner_at(blocks, at):
 def item_of(surfaces, instance, triangle):
     """The item that triangle number `triangle` of an instance's object belongs to."""
     low, count = np.int64(surfaces.spans[instance, 0]), np.int64(surfaces.spans[instance, 1])
-    # Halving without a branch that could be guessed wrong.
-    while count > 1:
+    # Few are counted: halving is by branches, which are guessed wrong half the time.
+    while count > _FEW_ITEMS:
         half = count >> 1
         low += half if surfaces.items[low + half, FIRST_TRIANGLE] <= triangle else 0
         count -= half
-    return low
+    item = low
+    for k in range(1, count):
+        item += surfaces.items[low + k, FIRST_TRIANGLE] <= triangle
+    return item
 
 
 @device

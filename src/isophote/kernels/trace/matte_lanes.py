@@ -230,7 +230,7 @@ def _sample_light(tables, wave, i, lane):
 def _aim(wave, weight):
     """Shadow rays toward the lights of all lanes, of paths that carry `weight` on; bits of those that carry light."""
     lanes = wave.lanes
-    zero, one, far = splat16(_ZERO), splat16(_ONE), splat16(_FAR)
+    zero, far = splat16(_ZERO), splat16(_FAR)
     normal, into = load_wide(lanes, _NORMAL, _START), load_wide(lanes, _INTO, _START)
     distance, factor = load_lanes(lanes, _DISTANCE, _START), load_lanes(lanes, _FACTOR, _START)
     density = wide_dot(load_wide(lanes, _SHADING, _START), into) * splat16(INV_PI)

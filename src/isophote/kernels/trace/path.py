@@ -185,8 +185,8 @@ def _cross_glass(media, surface, direction, boundary, inside, colour, u):
 
 @device
 def _meet_none(tables, plan, wave, i, depth, worth, to):
-    """The path in column `i` met no surface, but a lamp, the sky, or air that scatters. Returns how many rays were written
-    to column `to`."""
+    """The path in column `i` met no surface, but a lamp, the sky, or air that scatters. Returns how many rays were
+    written to column `to`."""
     floats, longs = wave.floats, wave.longs
     inside, slot = longs[rows.INSIDE, i], longs[rows.HIT_SLOT, i]
     if slot == LAMP and longs[rows.HIT_INSTANCE, i] == SCATTERED:
@@ -202,8 +202,8 @@ def _meet_none(tables, plan, wave, i, depth, worth, to):
 
 @device
 def _meet_surface(tables, plan, wave, i, depth, worth, to, at):
-    """Emission, aiming and scattering of the path in column `i`, which met a surface that is not matte. Returns how many
-    rays were written to column `to`, and how many shadow rays to column `at`."""
+    """Emission, aiming and scattering of the path in column `i`, which met a surface that is not matte. Returns how
+    many rays were written to column `to`, and how many shadow rays to column `at`."""
     floats, longs = wave.floats, wave.longs
     none, shadows = np.int64(0), np.int64(0)
     origin, direction = row_vec3(floats, rows.ORIGIN, i), row_vec3(floats, rows.DIRECTION, i)
