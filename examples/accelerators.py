@@ -54,7 +54,7 @@ scene = iso.Scene(
 if __name__ == "__main__":
     print("accelerator   nodes  triangles  deepest")
     for name in ACCELERATORS:
-        image = iso.render(scene, iso.Visits(name, most=80), size=(320, 240), progress=False)
+        image = iso.render(scene, iso.Visits(name, most=40), size=(320, 240), progress=False)
         image.save(PICTURES / f"visits-{name}.png")
         nodes, triangles, depth = (image.channels[count] for count in ("nodes", "primitives", "tree_depth"))
         print(f"{name:12s} {nodes.mean():6.1f} {triangles.mean():10.1f} {int(depth.max()):8d}")
