@@ -23,9 +23,10 @@ RAY = ([(0, 1, 0)], [(0, -1, 0)])
         lambda threads: iso.ambient_occlusion(TILE, samples=1, threads=threads),
         lambda threads: iso.radiosity(SCENE, threads=threads),
         lambda threads: iso.show_tree(TILE, threads=threads),
+        lambda threads: iso.explain(SCENE, threads=threads),
         lambda threads: iso.selfcheck(["form-factors"], threads=threads),
     ],
-    ids=["render", "Tracer", "ambient_occlusion", "radiosity", "show_tree", "selfcheck"],
+    ids=["render", "Tracer", "ambient_occlusion", "radiosity", "show_tree", "explain", "selfcheck"],
 )
 def test_a_number_of_threads_that_cannot_be_had_is_refused(call, threads):
     # A million threads with scratch of their own once took all of a machine's memory.
@@ -88,6 +89,11 @@ POINT_UVS = TILE.with_(attributes={"uv": np.zeros((4, 2))})
         (lambda: iso.Radiosity(form_factors="hemicube"), 'belongs to method="gathering" or "shooting"'),
         (lambda: iso.texture_glsl(iso.Marble(), "main"), "no name of a GLSL function"),
         (lambda: iso.selfcheck([]), "no topic is named"),
+        (lambda: iso.screen_occlusion(3, SCENE.camera, 1.0), "must be a picture that render made"),
+        (lambda: iso.RectLight(size=(1e-20, 1e-20), power=1), "area of 1e-40 m².*use a PointLight"),
+        (lambda: iso.RectLight(size=(1e-200, 1e-200)), "area of 0 m².*use a PointLight"),
+        (lambda: iso.SphereLight(radius=1e-30), "more than single precision holds"),
+        (lambda: iso.DiskLight(radiance=1e38), "more than single precision holds"),
     ],
 )
 def test_what_has_no_meaning_is_refused_with_what_mends_it(call, told):
@@ -117,3 +123,16 @@ def test_a_picture_that_cannot_be_denoised_is_kept_with_a_warning(monkeypatch):
         image = iso.render(SCENE, method, size=(16, 12), denoise=True)
     assert [warning.filename for warning in found] == [__file__]
     assert image == iso.render(SCENE, method, size=(16, 12)).with_(metadata=image.metadata)
+
+
+def test_notebooks_show_what_was_found():
+    class Printer(list):
+        text = list.append
+
+    mesh = TILE.with_(attributes={"uv": [(0, 0), (0, 1), (1, 1), (1, 0)]})
+    assert iso.bake_occlusion(mesh, size=8, samples=1)._repr_png_()[:4] == b"\x89PNG"
+    report, told = iso.selfcheck(["form-factors"]), Printer()
+    report._repr_pretty_(told, False)
+    explanation = iso.explain(SCENE, size=(8, 6))
+    explanation._repr_pretty_(told, False)
+    assert told == [str(report), str(explanation)]

@@ -61,6 +61,10 @@ class SelfcheckReport:
         found = [{**attrs.asdict(finding), "passed": finding.passed} for finding in self.findings]
         return {"passed": self.passed, "seconds": self.seconds, "findings": found}
 
+    def _repr_pretty_(self, printer: Any, cycle: bool) -> None:
+        # What notebooks and IPython show.
+        printer.text(str(self))
+
     def __str__(self) -> str:
         rows = [(finding, _cells(finding)) for finding in self.findings]
         names = max([len(finding.name) for finding in self.findings], default=0) + 2

@@ -115,6 +115,10 @@ def _rigid(instance: Any, attribute: attrs.Attribute[Any], value: Any) -> None:
         )
 
 
+# W/(m² sr).
+_BRIGHTEST = 1e37
+
+
 @attrs.frozen
 class AreaLight(ABC):
     """What lights with an area share: `power` or `radiance`, `colour`, and a rigid `transform`.
@@ -134,6 +138,12 @@ class AreaLight(ABC):
     def __attrs_post_init__(self) -> None:
         if self.power is not None and self.radiance is not None:
             raise SceneError(f"{type(self).__name__}: give power or radiance, not both")
+        # What cannot be told in single precision would be dark, or not a number, in pictures.
+        if not self.emitting_area > 0 or not max(self.radiance_rgb) <= _BRIGHTEST:
+            raise SceneError(
+                f"{type(self).__name__}: so much light from an area of {self.emitting_area:.3g} m² is more than single "
+                "precision holds; make the light larger or weaker, or use a PointLight"
+            )
 
     @property
     @abstractmethod

@@ -12,6 +12,7 @@ from isophote.progress import reporter
 from isophote.rendering.explanation.text import names_of, written
 from isophote.rendering.image import Image
 from isophote.rendering.method import Job, Size, checked_seed, checked_size
+from isophote.rendering.pool import checked_threads
 from isophote.rendering.ray_log import LoggedRay, Triple, log_pixel
 from isophote.rendering.ray_trace import RayTrace
 from isophote.rendering.warm import warm_up
@@ -74,6 +75,10 @@ class Explanation:
     def __str__(self) -> str:
         return written(self.scene, self.pixel, self.size, self.method, self.colour, self.rays)
 
+    def _repr_pretty_(self, printer: Any, cycle: bool) -> None:
+        # What notebooks and IPython show.
+        printer.text(str(self))
+
     def __repr__(self) -> str:
         return f"<Explanation of pixel {self.pixel}: {len(self.rays)} rays, colour {self.colour}>"
 
@@ -99,8 +104,9 @@ def explain(
     pixels = checked_size(size)
     where = (pixels[0] // 2, pixels[1] // 2) if pixel is None else _checked_pixel(pixel)
     scene = studio(subject, aspect=pixels[0] / pixels[1])
+    crew = checked_threads(threads)
     with reporter(None) as report:
-        job = Job(scene, pixels, checked_seed(seed), threads, report)
+        job = Job(scene, pixels, checked_seed(seed), crew, report)
         warm_up(report, scene, "ray")
         log = log_pixel(job, chosen, where)
     return Explanation(log.pixel, pixels, chosen, seed, log.colour, log.rays, scene)

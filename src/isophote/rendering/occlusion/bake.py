@@ -50,6 +50,9 @@ class BakedOcclusion:
         levels = np.floor(self.visibility * np.float32(255) + np.float32(0.5)).astype(np.uint8)
         return ImageTexture(levels, "linear", wrap="clamp", name="occlusion")
 
+    def _repr_png_(self) -> bytes:
+        return encode_texture(self.texture, "linear")
+
     def save(self, path: StrPath) -> None:
         """Write the texture as an 8-bit PNG of greys, whole or not at all. Raises `FileError`."""
         if not str(path).lower().endswith(".png"):

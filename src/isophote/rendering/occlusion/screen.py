@@ -51,6 +51,8 @@ def screen_occlusion(
     for name, number in {"samples": samples, "slices": slices}.items():
         if isinstance(number, bool) or not isinstance(number, int | np.integer) or not 1 <= number <= 4096:
             raise RenderError(f"screen_occlusion: {name} must be a whole number from 1 to 4096, not {number!r}")
+    if not isinstance(image, Image):
+        raise RenderError(f"screen_occlusion: image must be a picture that render made, not {image!r}")
     missing = {"depth", "normal"} - image.channels.keys()
     if missing:
         raise RenderError(
