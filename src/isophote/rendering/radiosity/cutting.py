@@ -11,7 +11,7 @@ from isophote.rendering.radiosity.balance import Balance
 from isophote.rendering.radiosity.links import level
 from isophote.rendering.radiosity.tree import PatchTree, on_patches
 
-__all__ = ["cut_by_irradiance", "cut_painted_lamps"]
+__all__ = ["FINER", "PARTS", "PEAK", "cut_by_irradiance", "cut_painted_lamps"]
 
 Points: TypeAlias = npt.NDArray[np.float64]
 Numbers: TypeAlias = npt.NDArray[np.int64]
@@ -24,9 +24,9 @@ _PLACES = _GRID * _GRID
 # which these are off the mean.
 _HALF_OF_QUARTERS = 0.5 * 0.5 * _GRID / (_GRID - 1)
 # Where a lamp may be so many times as bright as anywhere that was looked at, there is a peak between.
-_PEAK = 2.0
+PEAK = 2.0
 # Patches under lamps have edges of such a part of how near these are, and are so much finer than others at most.
-_PARTS, _FINER = 8.0, 32.0
+PARTS, FINER = 8.0, 32.0
 
 
 class _Lamps(NamedTuple):
@@ -44,13 +44,13 @@ def cut_by_irradiance(
     """Cut leaves over which light that is reflected changes by more than `allowed`, while `light` (nodes, 3) leaves all
     nodes. Edges do not get shorter than `patch`, or, to `follow_lamps`, an eighth of how near a lamp is where that is
     less. Returns whether any were cut."""
-    shortest = patch / _FINER if follow_lamps else patch
+    shortest = patch / FINER if follow_lamps else patch
     leaves = tree.leaves[tree.edges[tree.leaves] >= 2 * shortest]
     leaves = leaves[level(tree.albedo[leaves]) > 0]
     owner, source, reach = _near_lamps(tree, balance, leaves)
     least = np.full(len(leaves), patch)
     if follow_lamps:
-        np.minimum.at(least, owner, np.maximum(reach / _PARTS, shortest))
+        np.minimum.at(least, owner, np.maximum(reach / PARTS, shortest))
     able = tree.edges[leaves] >= 2 * least
     if not able.any():
         return False
@@ -60,7 +60,7 @@ def cut_by_irradiance(
     arriving, dull = _at_middles(tree, balance, light, leaves), level(tree.albedo[leaves])
     brightest = arriving.max(axis=1)
     poor = (brightest - arriving.min(axis=1)) * _HALF_OF_QUARTERS * dull > allowed
-    poor |= _has_peak(tree, lamps, light, leaves, np.maximum(_PEAK * brightest, allowed / dull))
+    poor |= _has_peak(tree, lamps, light, leaves, np.maximum(PEAK * brightest, allowed / dull))
     tree.cut(leaves[poor])
     return bool(poor.any())
 

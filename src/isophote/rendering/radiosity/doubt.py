@@ -78,7 +78,7 @@ class Doubt(Expansion):
             )
 
         jobs = range(0, count, _LEAVES_A_JOB)
-        pool.run(work, jobs, lambda done: report("gathering what is in doubt", done / len(jobs)))
+        pool.run(work, jobs, lambda done: report("gathering what is in doubt", done / max(len(jobs), 1)))
         if pool.interrupted:
             raise KeyboardInterrupt
         return found

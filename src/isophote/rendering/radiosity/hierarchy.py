@@ -10,24 +10,19 @@ import numpy.typing as npt
 
 from isophote.errors import RenderError
 from isophote.kernels.base.table import Packed
-from isophote.kernels.trace.patch_light import direct_light
-from isophote.kernels.trace.wave import new_wave
-from isophote.lower.field_table import scratch_words
 from isophote.progress import Reporter
-from isophote.rendering.pool import Pool
 from isophote.rendering.radiosity.balance import Balance, change_of
 from isophote.rendering.radiosity.cutting import cut_by_irradiance, cut_painted_lamps
+from isophote.rendering.radiosity.direct import Direct, Spots, cut_by_direct, cut_under_spots
 from isophote.rendering.radiosity.doubt import Doubt
 from isophote.rendering.radiosity.links import Limits, Links, level
 from isophote.rendering.radiosity.tree import PatchTree
 
-__all__ = ["Settled", "direct_irradiance", "settle"]
+__all__ = ["Settled", "settle"]
 
 Points: TypeAlias = npt.NDArray[np.float64]
 Numbers: TypeAlias = npt.NDArray[np.int64]
 
-_WAVE = 272
-_NODES_A_JOB = 256
 # Rounds of linking, each by the light of the one before, and with a smaller limit.
 _ROUNDS = (16.0, 4.0, 1.0)
 # What leaves see of uncertain light is sampled to a standard error of such a part of `error`, in parts of what arrives
@@ -70,49 +65,10 @@ class Settled:
         return radiosity
 
 
-class _Direct:
-    """Irradiance from lights that are no patches, for nodes as they come."""
-
-    def __init__(self, scene: Packed, tree: PatchTree, threads: int | None) -> None:
-        self._scene, self._tree, self._threads = scene, tree, threads
-        self.values = np.zeros((0, 3))
-        self.spread = np.zeros(0)
-
-    def complete(self) -> None:
-        """Values for nodes that have none yet."""
-        known, count = len(self.values), len(self._tree)
-        new = np.arange(known, count)
-        found = np.zeros((count - known, 4))
-        flat = self._tree.sides[new] > 0
-        found[flat] = direct_irradiance(self._scene, self._tree, new[flat], self._threads)
-        self.values = np.concatenate([self.values, found[:, :3]])
-        self.spread = np.concatenate([self.spread, found[:, 3]])
-
-
-def direct_irradiance(scene: Packed, tree: PatchTree, nodes: Numbers, threads: int | None) -> Points:
-    """(n, 4): irradiance of patches from all lights that are no patches, and how much it varies within each."""
-    found = np.zeros((len(nodes), 4))
-    environment = scene.arrays["lights"].arrays["environment"].arrays
-    sky = bool(np.any(environment["constant"] > 0)) or len(environment["texels"]) > 0
-    patches, pool = tree.packed(), Pool(threads)
-    words = scratch_words(scene.arrays["fields"])
-    waves = [new_wave(_WAVE, words) for _ in range(pool.threads)]
-    places = [np.zeros((16, 3)) for _ in range(pool.threads)]
-
-    def work(first: int, thread: int) -> None:
-        last = min(first + _NODES_A_JOB, len(nodes))
-        own = waves[thread].words
-        direct_light(scene.words, patches.words, own, nodes, sky, places[thread], found, first, last)
-
-    pool.run(work, range(0, len(nodes), _NODES_A_JOB), lambda done: None)
-    if pool.interrupted:
-        raise KeyboardInterrupt
-    return found
-
-
 def settle(
     scene: Packed,
     tree: PatchTree,
+    spots: Spots,
     *,
     error: float,
     patch: float,
@@ -129,20 +85,21 @@ def settle(
     Arvo, Greenberg, "A Clustering Algorithm for Radiosity in Complex Environments", SIGGRAPH 1994.
     """
     cut_painted_lamps(tree, patch)
-    direct = _Direct(scene, tree, threads)
+    direct = Direct(scene, tree, threads)
     direct.complete()
+    cut_under_spots(tree, direct, spots, patch, follow_lamps=follow_lamps)
     mean = _expected_mean(tree, direct.values)
     if mean <= 0:
         raise RenderError("Radiosity: nothing shines; give lights, or items with an Emitter material")
     # Where faces are small already, the smallest patches are these.
     flux = error * mean * min(patch**2, _typical(tree.faces.areas))
-    _cut_by_direct(tree, direct, error * mean, patch)
+    cut_by_direct(tree, direct, spots, error * mean, patch, follow_lamps=follow_lamps)
     links = Links(scene, tree, threads)
     light, uneven = tree.emission + tree.albedo * direct.values, np.zeros(len(tree))
     for number, factor in enumerate(_ROUNDS):
 
-        def show(count: int, nodes: int, number: int = number) -> None:
-            report(f"linking patches ({nodes:,} patches, {count:,} links)", (number + 0.5) / len(_ROUNDS))
+        def show(part: float, number: int = number) -> None:
+            report("linking patches", (number + part) / len(_ROUNDS))
 
         links.refine(light, uneven, Limits(flux * factor, patch, most_links), show)
         direct.complete()
@@ -154,6 +111,7 @@ def settle(
             bounces, residuals = _bounce(balance, tree, direct.values, 1e-2, report)
         light, uneven = bounces[-1], balance.unevenness(bounces[-1])
     sums = balance.form_factor_sums()
+    direct.finish()
     links.weigh(light)
     balance = Balance(tree, links, threads, level(light))
     bounces, residuals = _bounce(balance, tree, direct.values, residual, report)
@@ -167,7 +125,7 @@ def settle(
 
 def _expected_mean(tree: PatchTree, direct: Points) -> float:
     """Mean radiosity as if light were spread evenly: what is sent out, over the share that is not given back."""
-    own = tree.parent < 0 if (tree.sides[tree.roots] > 0).all() else np.arange(len(tree)) < (tree.sides > 0).sum()
+    own = tree.leaves
     areas = tree.areas[own]
     sent = level(tree.emission[own] + tree.albedo[own] * direct[own]) @ areas
     kept = level(tree.albedo[own]) @ areas
@@ -178,18 +136,6 @@ def _typical(areas: Points) -> float:
     """The area that half of the whole is in larger faces than."""
     ordered = np.sort(areas)
     return float(ordered[np.searchsorted(np.cumsum(ordered), ordered.sum() / 2)])
-
-
-def _cut_by_direct(tree: PatchTree, direct: _Direct, allowed: float, patch: float) -> None:
-    """Cut patches over which light that comes from no patch changes much."""
-    while True:
-        leaves = tree.leaves
-        varies = direct.spread[leaves] * level(tree.albedo[leaves]) > allowed
-        poor = leaves[varies & (tree.edges[leaves] >= 2 * patch)]
-        if len(poor) == 0:
-            return
-        tree.cut(poor)
-        direct.complete()
 
 
 def _bounce(

@@ -22,7 +22,7 @@ __all__ = ["Limits", "Links", "level"]
 
 Points: TypeAlias = npt.NDArray[np.float64]
 Numbers: TypeAlias = npt.NDArray[np.int64]
-Report: TypeAlias = Callable[[int, int], None]
+Report: TypeAlias = Callable[[float], None]
 Work: TypeAlias = Callable[[int, int, npt.NDArray[np.int64], npt.NDArray[np.int64]], None]
 
 _WAVE = 272
@@ -30,6 +30,11 @@ _PAIRS_A_JOB = 2048
 # Pairs that are asked for at once: what bounds the memory of a round.
 _MOST_AT_ONCE = 2**21
 _BYTES_A_LINK = 64
+# Where of so many pairs such a part was too coarse, as of those before, so many times over, the links to come can be
+# told. They must be so many times what is allowed to be refused: in the end fewer pairs are split.
+_MANY, _MOSTLY, _IN_A_ROW, _TOO_MANY = 50_000, 0.75, 3, 8.0
+# What pairs are split into.
+_PARTS = 4
 # How much more an uneven source counts than doubtful visibility: its errors add up over links, for light is brightest
 # where much of it is seen from.
 _MIXED = 5.0
@@ -50,6 +55,11 @@ def level(light: Points) -> Points:
     """One number for a colour, by which links are judged: the mean of its channels."""
     mean: Points = light.mean(axis=1)
     return mean
+
+
+def _cure(links: float) -> str:
+    """What so many links take, and what would mend it."""
+    return f"some {int(links * _BYTES_A_LINK) >> 20:,} MB; give larger patches, a larger error or more max_links"
 
 
 class Links:
@@ -82,7 +92,7 @@ class Links:
         def work(first: int, last: int, wave: npt.NDArray[np.int64], _: npt.NDArray[np.int64]) -> None:
             lit_shares(self._scene.words, self._tree.packed().words, wave, bright, pairs, found, first, last)
 
-        self._over(work, len(pairs))
+        self._over(work, len(pairs), lambda part: None)
         self._shares = self.shares.copy()
         self._shares[partly] = found
 
@@ -90,7 +100,8 @@ class Links:
         """Split links that carry more error than `limits.flux` while `light` (n, 3) leaves the nodes, and varies by
         `uneven` (n,) within each; new patches get the values of those that they were cut from.
 
-        Raises `RenderError` where there would be more links than `limits.links`.
+        `report` is told what part is done of all that is known to be to do. Raises `RenderError` where there are more
+        links than `limits.links`, and long before if there are bound to be many times as many.
         """
         state = np.stack([level(light), uneven], axis=1)
         self._shares = None
@@ -110,7 +121,7 @@ class Links:
     def _take(self, pairs: Numbers, state: Points, limits: Limits, report: Report) -> None:
         """Ask for pairs, keep those that will do as links, split the others, until none is left."""
         kept: list[tuple[Numbers, Points]] = [(self.pairs, self.seen)]
-        waiting, count = [pairs], len(self)
+        waiting, count, growing, done = [pairs], len(self), 0, 0
         while waiting:
             now = waiting.pop()
             if len(now) > _MOST_AT_ONCE:
@@ -120,21 +131,40 @@ class Links:
             if len(now) == 0:
                 continue
             state = self._inherited(state)
-            found = self._asked_for(now)
+            ahead = sum(len(later) for later in waiting)
+
+            def show(part: float, done: int = done, now: int = len(now), ahead: int = ahead) -> None:
+                report((done + part * now) / (done + now + ahead))
+
+            found = self._asked_for(now, show)
+            done += len(now)
             poor = self._too_coarse(now, found, state, limits)
             linked = ~poor & (found[:, 1] > 0)
             kept.append((now[linked], found[linked]))
             count += int(linked.sum())
+            growing = growing + 1 if poor.mean() >= _MOSTLY else 0
             if count > limits.links:
-                raise RenderError(
-                    f"Radiosity: more than {limits.links:,} links are needed, some "
-                    f"{limits.links * _BYTES_A_LINK >> 20:,} MB; give larger patches, a larger error or more max_links"
-                )
+                raise RenderError(f"Radiosity: more than {limits.links:,} links are needed, {_cure(limits.links)}")
+            if growing >= _IN_A_ROW and len(now) >= _MANY:
+                expected = count + self._expected(now[poor], float(poor.mean()), limits)
+                if expected > _TOO_MANY * limits.links:
+                    raise RenderError(
+                        f"Radiosity: some {expected:.0e} links are needed, by how the first {self.asked:,} pairs of "
+                        f"patches went, and max_links is {limits.links:,}: {_cure(expected)}"
+                    )
             if poor.any():
                 waiting.append(self._split(now[poor], limits))
-            report(count, len(self._tree))
         self.pairs = np.concatenate([pairs for pairs, _ in kept])
         self.seen = np.concatenate([seen for _, seen in kept])
+
+    def _expected(self, pairs: Numbers, poor: float, limits: Limits) -> float:
+        """About how many links it takes in the place of some, if of each that is split the part `poor` is split again
+        until patches are as small as they may get."""
+        tree = self._tree
+        faces = np.maximum(tree.span[:, 1] - tree.span[:, 0], 1)
+        edges = np.where(tree.sides > 0, tree.edges, np.sqrt(tree.areas / faces))
+        levels = np.log2(np.maximum(edges / limits.patch, 1.0)) + np.where(tree.sides > 0, 0.0, np.log2(faces) / 2)
+        return float((_PARTS * (_PARTS * poor) ** (levels[pairs].sum(axis=1) - 1).clip(0)).sum())
 
     def _inherited(self, state: Points) -> Points:
         """Values of nodes that came later are those of their parents."""
@@ -149,7 +179,7 @@ class Links:
             values[own] = values[self._tree.parent[own]]
         return values
 
-    def _asked_for(self, pairs: Numbers) -> Points:
+    def _asked_for(self, pairs: Numbers, report: Report) -> Points:
         """(n, 3): what the kernel finds for pairs."""
         found = np.zeros((len(pairs), 3))
         patches = self._tree.packed()
@@ -157,11 +187,11 @@ class Links:
         def work(first: int, last: int, wave: npt.NDArray[np.int64], shaft: npt.NDArray[np.int64]) -> None:
             exchanges(self._scene.words, patches.words, wave, shaft, pairs, found, first, last)
 
-        self._over(work, len(pairs))
+        self._over(work, len(pairs), report)
         self.asked += len(pairs)
         return found
 
-    def _over(self, work: Work, count: int) -> None:
+    def _over(self, work: Work, count: int, report: Report) -> None:
         """Do pairs in parts, each thread with scratch of its own."""
         pool = Pool(self._threads)
         words = scratch_words(self._scene.arrays["fields"])
@@ -171,7 +201,8 @@ class Links:
         def job(first: int, thread: int) -> None:
             work(first, min(first + _PAIRS_A_JOB, count), waves[thread].words, shafts[thread].words)
 
-        pool.run(job, range(0, count, _PAIRS_A_JOB), lambda done: None)
+        jobs = range(0, count, _PAIRS_A_JOB)
+        pool.run(job, jobs, lambda done: report(done / max(len(jobs), 1)))
         if pool.interrupted:
             raise KeyboardInterrupt
 

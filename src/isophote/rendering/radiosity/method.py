@@ -16,6 +16,7 @@ from isophote.rendering.method import Job
 from isophote.rendering.oddities import warn_of_oddities
 from isophote.rendering.pool import checked_threads
 from isophote.rendering.radiosity.coverage import Coverage
+from isophote.rendering.radiosity.direct import spots_of
 from isophote.rendering.radiosity.faces import Faces, bounded, faces_of
 from isophote.rendering.radiosity.hierarchy import settle
 from isophote.rendering.radiosity.solution import RadiositySolution, solution_of
@@ -118,6 +119,7 @@ class Radiosity:
         settled = settle(
             tables,
             tree,
+            spots_of(scene.lights),
             error=self.error,
             patch=patch,
             follow_lamps=self.patch is None,

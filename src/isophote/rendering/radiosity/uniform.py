@@ -11,8 +11,8 @@ import numpy.typing as npt
 from isophote.errors import RenderError
 from isophote.kernels.base.table import Packed
 from isophote.progress import Reporter
+from isophote.rendering.radiosity.direct import direct_irradiance
 from isophote.rendering.radiosity.faces import Faces
-from isophote.rendering.radiosity.hierarchy import direct_irradiance
 from isophote.rendering.radiosity.links import level
 from isophote.rendering.radiosity.matrix import DirectionRows, FactorMatrix, PairRows
 from isophote.rendering.radiosity.tree import PatchTree
