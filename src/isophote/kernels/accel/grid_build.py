@@ -22,7 +22,7 @@ __all__ = [
 
 # What a ray pays where a step to the next cell costs 1: for a triangle in a cell's list, for a box there, and for
 # entering a grid within a grid. By measurement; docs/design/accelerators.md has the numbers.
-TRIANGLE_COST, BOX_COST, _ENTER_COST = 0.02, 0.16, 12.0
+TRIANGLE_COST, BOX_COST, _ENTER_COST = 0.02, 0.05, 12.0
 # Cells, and references to triangles, for each triangle at most.
 _MOST_CELLS, _MOST_REFERENCES = 16.0, 4.0
 _MOST_ON_AXIS = 1 << 12
