@@ -33,11 +33,12 @@ from isophote.kernels.trace.direct import direct_item, surface_of
 from isophote.kernels.trace.shading import seen_normal
 from isophote.kernels.trace.wave import add_radiance, row_vec3, set_row_vec3
 
-__all__ = ["face_matte", "has_ambient", "note_matte"]
+__all__ = ["face_matte", "has_ambient", "matte_item", "note_matte"]
 
 _ZERO, _ONE = np.float32(0), np.float32(1)
 # What the row PLAIN holds of hits on triangles until their normals are worked out.
 _NOTED = np.float32(2)
+_NONE = np.int64(-1)
 
 
 @device
@@ -102,32 +103,41 @@ def _note_triangle(tables, tree, wave, at, i, item, triangle, share):
 
 
 @device
-def note_matte(tables, tree, wave, at, i):
-    """Note the surface that ray `i` met in column `at`, if it is plain. Returns whether it is."""
+def matte_item(tables, slot, instance):
+    """The item of a triangle whose surface is plain, or −1."""
+    if tables.geometry.identity[instance] == 0:
+        return _NONE
+    item = item_of(tables.surfaces, instance, triangle_number(tables.geometry, slot))
+    items = tables.surfaces.items
+    # Where normals are blended, some ambient light would come from below the true surface.
+    if not _is_plain(tables, np.int64(items[item, MATERIAL])) or (items[item, NORMALS] >= 0 and has_ambient(tables)):
+        return _NONE
+    return item
+
+
+@device
+def note_matte(tables, tree, wave, at, i, item):
+    """Note the surface that ray `i` met in column `at`, if it is plain; `item`: of a triangle what `matte_item` says.
+    Returns whether it is."""
     floats, longs = wave.floats, wave.longs
     slot, instance = longs[rows.HIT_SLOT, i], longs[rows.HIT_INSTANCE, i]
     if longs[rows.INSIDE, i] != 0:
         return False
-    if slot < 0:
-        hit = Hit(floats[rows.HIT_T, i], _ZERO, _ZERO, slot, instance)
-        material = np.int64(tables.surfaces.items[direct_item(tables, hit), MATERIAL])
-        if not _is_plain(tables, material):
-            return False
-        direction = row_vec3(floats, rows.DIRECTION, i)
-        surface = surface_of(tables, row_vec3(floats, rows.ORIGIN, i), direction, hit, wave.scratch)
-        _remember(tree, at, i, surface, direction, _share(tables, wave, i, material))
-        return True
-    if tables.geometry.identity[instance] == 0:
-        return False
-    number = triangle_number(tables.geometry, slot)
-    item = item_of(tables.surfaces, instance, number)
     items = tables.surfaces.items
-    material = np.int64(items[item, MATERIAL])
-    # Where normals are blended, some ambient light would come from below the true surface.
-    if not _is_plain(tables, material) or (items[item, NORMALS] >= 0 and has_ambient(tables)):
+    if slot >= 0:
+        if item < 0:
+            return False
+        share = _share(tables, wave, i, np.int64(items[item, MATERIAL]))
+        triangle = triangle_number(tables.geometry, slot) - items[item, FIRST_TRIANGLE]
+        _note_triangle(tables, tree, wave, at, i, item, triangle, share)
+        return True
+    hit = Hit(floats[rows.HIT_T, i], _ZERO, _ZERO, slot, instance)
+    material = np.int64(items[direct_item(tables, hit), MATERIAL])
+    if not _is_plain(tables, material):
         return False
-    share = _share(tables, wave, i, material)
-    _note_triangle(tables, tree, wave, at, i, item, number - items[item, FIRST_TRIANGLE], share)
+    direction = row_vec3(floats, rows.DIRECTION, i)
+    surface = surface_of(tables, row_vec3(floats, rows.ORIGIN, i), direction, hit, wave.scratch)
+    _remember(tree, at, i, surface, direction, _share(tables, wave, i, material))
     return True
 
 

@@ -30,7 +30,7 @@ from isophote.kernels.trace.holes import has_holes, stop_at_any, surface_opacity
 from isophote.kernels.trace.material import branch_material, sample_material
 from isophote.kernels.trace.ray_lights import light_surfaces, prepare_surface, remember_surface
 from isophote.kernels.trace.ray_log import LOG, log_camera, log_hit, log_terms
-from isophote.kernels.trace.ray_matte import face_matte, has_ambient, note_matte
+from isophote.kernels.trace.ray_matte import face_matte, has_ambient, matte_item, note_matte
 from isophote.kernels.trace.ray_tree import TREE, branch, gather, next_level, start_trees, sum_levels, take
 from isophote.kernels.trace.samples import Tile, are_neighbours, develop
 from isophote.kernels.trace.shading import surface_colour, surface_emission
@@ -204,10 +204,15 @@ def _shade(tables, plan, tree, wave, log, level, count):
         ask_numbers(tree.entries, plan, wave, count, _PICK, np.int64(rows.PICK_U))
         ask_numbers(tree.entries, plan, wave, count, _SCATTER, np.int64(rows.SCATTER_U))
     told = log.rays.rows > 0 or tree.tint != 0 or has_holes(tables)
-    lit = np.int64(0)
+    lit, slots, instances = np.int64(0), wave.longs[rows.HIT_SLOT], wave.longs[rows.HIT_INSTANCE]
+    slot, instance, item = np.int64(-1), np.int64(0), np.int64(-1)
     for i in range(count):
-        if is_surface(wave.longs[rows.HIT_SLOT, i]):
-            if not told and note_matte(tables, tree, wave, lit, i):
+        if is_surface(slots[i]):
+            # Rays side by side meet the same triangle more often than not.
+            if slots[i] >= 0 and (slots[i] != slot or instances[i] != instance):
+                slot, instance = slots[i], instances[i]
+                item = matte_item(tables, slot, instance)
+            if not told and note_matte(tables, tree, wave, lit, i, item):
                 lit += 1
                 continue
             lit += _meet_surface(tables, plan, tree, wave, log, level, i, lit)
