@@ -35,9 +35,9 @@ TileWork: TypeAlias = Callable[[Tile, int], None]
 
 PATTERNS = {
     "blue-noise": sampler.BLUE_NOISE,
+    "antithetic": sampler.ANTITHETIC,
     "sobol": sampler.SOBOL,
     "jittered": sampler.JITTERED,
-    "antithetic": sampler.ANTITHETIC,
     "regular": sampler.REGULAR,
     "independent": sampler.INDEPENDENT,
 }
