@@ -13,7 +13,7 @@ import numpy as np
 
 from isophote.kernels.accel.layout import CHILD, LANES, NODE, NOTED, REACH, STACK, UPPER
 from isophote.kernels.accel.spread import LARGEST, spread_of
-from isophote.kernels.accel.waiting import finish_noted, note_none, note_part
+from isophote.kernels.accel.waiting import finish_noted, note_none, note_part, waits
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.simd import (
     bits,
@@ -160,7 +160,8 @@ def closest_triangle(nodes, blocks, root, origin, direction, t_max, stack, parts
                 continue
         else:
             code = np.int64(-1) - np.int64(node)
-            note_part(parts, code, stack, _NOTED)
+            if waits(parts, code):
+                note_part(code, stack, _NOTED)
             first = code >> 3
             for block in range(first, first + (code & 7)):
                 met, t, w1, w2 = hit_block(blocks, block, ray, t_max)
@@ -214,9 +215,10 @@ def any_below(nodes, blocks, root, box, ray, t_max, stack, bottom, parts=None):
                 continue
         else:
             code = np.int64(-1) - np.int64(node)
-            note_part(parts, code, stack, _NOTED)
             first = code >> 3
-            if meets_blocks(blocks, first, first + (code & 7), ray, t_max):
+            if waits(parts, code):
+                note_part(code, stack, _NOTED)
+            elif meets_blocks(blocks, first, first + (code & 7), ray, t_max):
                 return True
         if top > bottom:
             top -= 1

@@ -31,7 +31,7 @@ from isophote.kernels.accel.layout import (
     WIDTH,
 )
 from isophote.kernels.accel.spread import LARGEST, LEAST_SHARE, PLACE_SLACK, TINY
-from isophote.kernels.accel.waiting import finish_noted, note_none, note_part
+from isophote.kernels.accel.waiting import finish_noted, note_none, note_part, waits
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.simd import (
     absolute,
@@ -348,7 +348,8 @@ def closest_packet(nodes, blocks, axis, scratch, parts):
             top = _push_children(nodes, np.int64(node) * NODE, scratch, top, packet, interval, bound)
         else:
             code = np.int64(-1) - np.int64(node)
-            note_part(parts, code, scratch, _NOTED)
+            if waits(parts, code):
+                note_part(code, scratch, _NOTED)
             _hit_leaf(blocks, code >> 3, code & 7, axes, scratch)
             bound = largest(_row(scratch, LIMIT))
         while True:
@@ -379,7 +380,8 @@ def any_packet(nodes, blocks, axis, scratch, parts):
             top = _push_children(nodes, np.int64(node) * NODE, scratch, top, packet, interval, bound)
         else:
             code = np.int64(-1) - np.int64(node)
-            note_part(parts, code, scratch, _NOTED)
+            if waits(parts, code):
+                note_part(code, scratch, _NOTED)
             first = code >> 3
             for block in range(first, first + (code & 7)):
                 for k in range(LANES):

@@ -16,7 +16,7 @@ from isophote.kernels.base.entry import call_entry
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.simd import load_int, store_int
 
-__all__ = ["Waiting", "finish_noted", "note_none", "note_part"]
+__all__ = ["Waiting", "finish_noted", "note_none", "note_part", "waits"]
 
 _NONE, _BLOCKS = np.int32(0), np.int64(7)
 
@@ -36,12 +36,17 @@ def note_none(parts, scratch, word):
 
 
 @device
-def note_part(parts, code, scratch, word):
-    """Note the leaf of number `code`, which is −1 − what stands in the node, if it is a part that waits, and the first
-    one."""
+def waits(parts, code):
+    """Whether the leaf of a number, which is −1 − what stands in the node, is a part that waits."""
     if parts is None:
-        return
-    if code & _BLOCKS == 0 and load_int(scratch, word) == _NONE:
+        return False
+    return code & _BLOCKS == 0
+
+
+@device
+def note_part(code, scratch, word):
+    """Note a part, given as for `waits`, if it is the first."""
+    if load_int(scratch, word) == _NONE:
         store_int(scratch, word, np.int32((code >> 3) + 1))
 
 
