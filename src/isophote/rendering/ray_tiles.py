@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from isophote.errors import RenderError
 from isophote.kernels.base.table import Packed
+from isophote.kernels.trace.light_samples import draw_jobs, sample_lights
 from isophote.kernels.trace.ray_log import LIGHT_COLUMNS, LIGHT_NUMBERS, LOG, RAY_COLUMNS, RAY_NUMBERS
 from isophote.kernels.trace.ray_trace import ray_trace_tile
 from isophote.kernels.trace.ray_tree import new_tree
@@ -88,7 +89,10 @@ class RayTiles:
         jobs, flat = _light_jobs(moments[0].scene, settings.light_samples), self.rays.reshape(-1)
         self._waves = [new_wave(_WAVE, words) for _ in range(threads)]
         tint = shadow_tint.address if settings.shadows == "tinted" else 0
-        self._trees = [new_tree(_WAVE, settings.depth, jobs, settings.min_weight, tint, flat) for _ in range(threads)]
+        entries = {"draw_jobs": draw_jobs.address, "sample_lights": sample_lights.address, "tint": tint}
+        self._trees = [
+            new_tree(_WAVE, settings.depth, jobs, settings.min_weight, flat, **entries) for _ in range(threads)
+        ]
 
         #: Pixels of a tile each way.
         self.edge = _EDGE if len(jobs) < _MANY_JOBS else _EDGE_OF_MANY

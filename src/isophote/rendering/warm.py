@@ -87,8 +87,10 @@ def _sphere_tracer() -> None:
 
 
 def _waves() -> None:
-    from isophote.kernels.trace import wave_entries
+    from isophote.kernels.trace import light_samples, wave_entries
 
+    light_samples.draw_jobs.compile()
+    light_samples.sample_lights.compile()
     wave_entries.compile_entries()
 
 

@@ -14,7 +14,6 @@ from isophote.kernels.accel.geometry import Hit
 from isophote.kernels.accel.surface import MATERIAL, Surface
 from isophote.kernels.base.entry import call_entry, element_address, table_address
 from isophote.kernels.base.jit import device
-from isophote.kernels.base.sampler import draw_pairs
 from isophote.kernels.base.simd import bits, load_int, lowest_bit, select, splat16, store_int
 from isophote.kernels.base.simd_lanes import lane_numbers
 from isophote.kernels.base.vec import dot, load_vec3, maximum_component, vec3
@@ -32,18 +31,15 @@ from isophote.kernels.base.wide import (
 )
 from isophote.kernels.brdf import contract
 from isophote.kernels.light.bsdf import LINKED, MATTE
-from isophote.kernels.light.emitter import ENVIRONMENT, sample_group
 from isophote.kernels.light.emitter_lanes import sample_lanes, sampled_in_lanes
 from isophote.kernels.light.medium import Boundary, attenuation, medium_towards
-from isophote.kernels.trace import ray_tree
+from isophote.kernels.trace import light_samples, ray_tree
 from isophote.kernels.trace import wave as rows
 from isophote.kernels.trace.boundary import set_relative_index
 from isophote.kernels.trace.cone import cone_radius
 from isophote.kernels.trace.holes import has_holes, share_left
 from isophote.kernels.trace.material import evaluate_material, prepare_material
-from isophote.kernels.trace.painted_lights import tint_of_light
 from isophote.kernels.trace.ray_log import log_light, log_visible
-from isophote.kernels.trace.samples import FIRST
 from isophote.kernels.trace.shadow_tint import DIRECTION, END, LEFT
 from isophote.kernels.trace.wave import add_radiance, row_vec3, set_row_vec3
 from isophote.kernels.trace.wave_entries import ask_blocked
@@ -55,8 +51,7 @@ _FAR = np.float32(np.inf)
 _START, _AIR = np.int64(0), np.int64(0)
 # Sixteen bits: all lanes.
 _ALL = np.int32(0xFFFF)
-# Row of the wave, which nothing else needs here, for what the light of a sample is multiplied by.
-_FACTOR = np.int64(rows.DENSITY)
+_FACTOR = np.int64(light_samples.FACTOR)
 # As in path.py: a shadow ray ends this much short of its light.
 _SHADOW_END = np.float32(1 - 1e-4)
 
@@ -111,32 +106,6 @@ def _surface(tree, at):
 
 
 @device
-def _draw_jobs(plan, tree, wave, first, count, begin, end):
-    """Sample numbers of light samples begin … end − 1 for surfaces first … first + count − 1."""
-    keys, jobs, ints = tree.keys, tree.jobs, wave.ints
-    for h in range(count):
-        keys[ray_tree.DRAW_KEY, h] = ints[rows.PIXEL, _column(tree, first + h)]
-    for job in range(begin, end):
-        several = jobs[job, 2]
-        if several == 0:
-            continue
-        for h in range(count):
-            sample = ints[rows.SAMPLE, _column(tree, first + h)]
-            keys[ray_tree.DRAW_SAMPLE, h] = sample * several + jobs[job, 1]
-        draw_pairs(
-            plan.pattern,
-            plan.seed,
-            keys[ray_tree.DRAW_KEY],
-            keys[ray_tree.DRAW_SAMPLE],
-            plan.samples * several,
-            FIRST + jobs[job, 0],
-            count,
-            tree.draws[2 * (job - begin)],
-            tree.draws[2 * (job - begin) + 1],
-        )
-
-
-@device
 def prepare_surface(tables, surface, boundary, hit, direction, radius, scratch):
     """Make ready what a surface's material is evaluated with."""
     material = np.int64(tables.surfaces.items[surface.item, MATERIAL])
@@ -169,26 +138,6 @@ def _prepare(tables, tree, wave, surface, at):
 
 
 @device
-def _sample_one(tables, tree, wave, group, several, place, u, v, at):
-    """One sample of a light into wave column `at`; of an environment without the constant part of the sky, which counts
-    as ambient light."""
-    floats, lights = wave.floats, tables.lights
-    row, chance, sample = sample_group(lights, group, place, u, v)
-    if sample.density < _ZERO:
-        floats[_FACTOR, at] = _ZERO
-        return
-    into, radiance = vec3(sample.x, sample.y, sample.z), vec3(sample.red, sample.green, sample.blue)
-    if lights.kinds[row] == ENVIRONMENT:
-        constant = lights.environment.constant
-        radiance = radiance - vec3(constant[0], constant[1], constant[2])
-    radiance = radiance * tint_of_light(tables, row, place + into * sample.distance, wave.scratch)
-    set_row_vec3(floats, rows.SHADOW_DIRECTION, at, into)
-    set_row_vec3(floats, rows.SHADOW_LIGHT, at, radiance)
-    floats[rows.SHADOW_END, at] = sample.distance
-    floats[_FACTOR, at] = _ONE / (sample.density * chance * np.float32(several)) if several > 0 else _ONE
-
-
-@device
 def _sample(tables, tree, wave, log, job, draw, first, h, count, at):
     """Samples of a light for surfaces first + h … first + h + count − 1 into wave columns from `at` on: the direction
     in place of the shadow ray's, the distance in place of its end, what arrives, and what that is multiplied by, 0
@@ -209,9 +158,8 @@ def _sample(tables, tree, wave, log, job, draw, first, h, count, at):
         store_lanes(floats, rows.SHADOW_END, at, distance)
         store_lanes(floats, _FACTOR, at, factor)
         return
-    for k in range(count):
-        place = row_vec3(surfaces, ray_tree.PLACE, first + h + k)
-        _sample_one(tables, tree, wave, group, several, place, draws[draw, h + k], draws[draw + 1, h + k], at + k)
+    addresses = table_address(tables), table_address(tree), table_address(wave)
+    call_entry(tree.sample_lights, (*addresses, np.int64(job), np.int64(draw), first, h, count, at))
 
 
 @device
@@ -364,7 +312,8 @@ def light_surfaces(tables, plan, tree, wave, log, count, coherent):
         # All samples of lights at once, or, where there are more than a wave holds, those of sixteen surfaces in parts.
         for begin in range(0, jobs, part):
             end = min(begin + part, jobs)
-            _draw_jobs(plan, tree, wave, first, here, begin, end)
+            addresses = table_address(plan), table_address(tree), table_address(wave)
+            call_entry(tree.draw_jobs, (*addresses, first, here, begin, end))
             made = np.int64(0)
             for h in range(0, here, rows.LANES):
                 count_here = min(here - h, np.int64(rows.LANES))

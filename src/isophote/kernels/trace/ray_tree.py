@@ -74,8 +74,9 @@ _U = np.uint32
 # `floats`, `words`, `longs`, `waiting`: the lists above, level by level; `rays` (4, wave); `sums` (3 · levels, wave);
 # `surfaces`, `surface_numbers`; `jobs` (n, 3): each sample of each light as its group, its number and how many samples
 # that light gets; `draws` (2 m, h): the sample numbers of m of them for h surfaces; `keys` (2, h). `least`: what rays
-# must carry. `entries`: of wave_entries.py. `tint`: address of shadow_tint, or 0 where all that is in the way blocks,
-# and `shadow`, one of its rays. `traced` (pixels,): rays of each pixel.
+# must carry. `entries`: of wave_entries.py; `draw_jobs`, `sample_lights`: of light_samples.py. `tint`: address of
+# shadow_tint, or 0 where all that is in the way blocks, and `shadow`, one of its rays. `traced` (pixels,): rays of each
+# pixel.
 TREE = Table(
     "RayTree",
     floats=FLOAT_ROWS,
@@ -92,16 +93,26 @@ TREE = Table(
     least=FLOAT,
     tint=INT,
     entries=ENTRIES,
+    draw_jobs=INT,
+    sample_lights=INT,
     shadow=FLOATS,
     traced=LONGS,
 )
 
 
 def new_tree(
-    size: int, levels: int, jobs: npt.NDArray[np.int32], least: float, tint: int, traced: npt.NDArray[np.int64]
+    size: int,
+    levels: int,
+    jobs: npt.NDArray[np.int32],
+    least: float,
+    traced: npt.NDArray[np.int64],
+    *,
+    tint: int,
+    draw_jobs: int,
+    sample_lights: int,
 ) -> Packed:
     """Scratch for trees of so many levels in waves of `size` rays, as `new_wave` makes them; one for each thread,
-    `traced` for all."""
+    `traced` for all. `tint`, `draw_jobs`, `sample_lights`: addresses of entries."""
     size = -(-size // int(LANES)) * int(LANES)
     part = max(1, min(len(jobs), size // int(LANES)))
     several = max(1, size // (part * int(LANES))) * int(LANES)
@@ -120,6 +131,8 @@ def new_tree(
         least=least,
         tint=tint,
         entries=pack_entries(),
+        draw_jobs=draw_jobs,
+        sample_lights=sample_lights,
         shadow=np.zeros(RAY_WORDS, np.float32),
         traced=traced,
     )
