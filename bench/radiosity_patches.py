@@ -104,7 +104,7 @@ def compare(name: str, scene: iso.Scene, settings: iso.Radiosity, patches: int, 
     )
     exact = runs.mean(axis=0)
     lit = exact > DARK
-    noise = (runs.std(axis=0, ddof=1) / RUNS**0.5 / exact)[lit]
+    noise = runs.std(axis=0, ddof=1)[lit] / RUNS**0.5 / exact[lit]
     off = (found.irradiance[chosen].mean(axis=1) / np.maximum(exact, 1e-300) - 1)[lit]
     size = np.abs(off)
     print(
