@@ -258,7 +258,9 @@ def warm_up(report: Reporter, scene: Scene, method: str, accelerator: str = "bvh
     if method == "path" and scene.medium is not None:
         rest.append("air")
     if method == "ray":
-        rest.append("waves")
+        # As long as all else together.
+        warm_parts(report, [method, *rest], ["waves"])
+        return
     warm_parts(report, [method], rest)
 
 
