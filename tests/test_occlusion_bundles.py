@@ -10,7 +10,7 @@ import numpy.typing as npt
 import pytest
 
 import isophote as iso
-from isophote.kernels.accel.bundle import BUNDLE_SCRATCH
+from isophote.kernels.accel.bundle_rays import BUNDLE_SCRATCH
 from isophote.kernels.trace import occlusion as kernels
 from isophote.kernels.trace import wave as rows
 from isophote.kernels.trace.wave import new_wave

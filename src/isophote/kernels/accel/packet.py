@@ -65,7 +65,6 @@ __all__ = [
     "WEIGHT2",
     "any_packet",
     "closest_packet",
-    "longest_axis",
 ]
 
 # Rows of a packet's scratch, PACKET words each. What is found so far stands in LIMIT (t), WEIGHT1, WEIGHT2 and SLOT.
@@ -77,15 +76,6 @@ _ZERO, _ONE = np.float32(0), np.float32(1)
 _FAR = np.float32(np.inf)
 _NO_HIT = np.int32(-1)
 _NOTED = np.int64(PACKET_NOTED)
-
-
-@device
-def longest_axis(d):
-    """Number of the direction's longest component."""
-    x, y, z = abs(d.x), abs(d.y), abs(d.z)
-    if x >= y and x >= z:
-        return 0
-    return 1 if y >= z else 2
 
 
 @device

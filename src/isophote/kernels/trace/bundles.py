@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from isophote.kernels.accel.bundle import BUNDLE, blocked_of_bundle, set_direction_of_bundle
+from isophote.kernels.accel.bundle import blocked_of_bundle
+from isophote.kernels.accel.bundle_rays import BUNDLE, set_direction_of_bundle
 from isophote.kernels.base.bit_set import first_of, leading
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.simd import absolute, bits, load16, select, splat16

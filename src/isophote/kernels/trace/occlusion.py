@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from isophote.kernels.accel.bundle import BUNDLE
+from isophote.kernels.accel.bundle_rays import BUNDLE
 from isophote.kernels.base.jit import device, kernel
 from isophote.kernels.trace import wave as rows
 from isophote.kernels.trace.batch import find_blocked, find_blocked_otherwise

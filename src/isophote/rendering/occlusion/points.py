@@ -12,7 +12,7 @@ import numpy.typing as npt
 from isophote.analysis.curvature.normals import vertex_normals
 from isophote.convert.triangulate import triangulate
 from isophote.errors import RenderError
-from isophote.kernels.accel.bundle import BUNDLE_SCRATCH
+from isophote.kernels.accel.bundle_rays import BUNDLE_SCRATCH
 from isophote.kernels.base.table import Packed
 from isophote.kernels.trace import occlusion as kernels
 from isophote.kernels.trace.wave import new_wave
