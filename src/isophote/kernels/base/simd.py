@@ -31,7 +31,6 @@ __all__ = [
     "absolute",
     "as_float",
     "bits",
-    "exact_product_difference",
     "floor",
     "lane",
     "largest",
@@ -364,19 +363,3 @@ def _unary(name: str):
 
 # Lane by lane: |a|, √a, largest whole number ≤ a, nearest whole number (the even one of two).
 absolute, square_root, floor, round_even = (_unary(name) for name in ("fabs", "sqrt", "floor", "rint"))
-
-
-@intrinsic
-def exact_product_difference(typingctx, a, b, c, d):
-    """`a * b - c * d`, each operation rounded by itself, so that swapping (a, b) with (c, d) only flips the sign."""
-    if not _is_vector(a, b, c, d):
-        return None
-
-    def codegen(context, builder, signature, args):
-        # Numba gives its own flags, contraction among them, to operations that have none.
-        flags = ("nsz",)
-        left = builder.fmul(args[0], args[1], flags=flags)
-        right = builder.fmul(args[2], args[3], flags=flags)
-        return builder.fsub(left, right, flags=flags)
-
-    return a(a, b, c, d), codegen

@@ -24,7 +24,7 @@ from isophote.kernels.trace.direct import closest_direct, direct_item, is_surfac
 from isophote.kernels.trace.holes import surface_opacity
 from isophote.kernels.trace.tables import SCENE
 from isophote.kernels.trace.textured import slot_value, write_place
-from isophote.kernels.trace.wave import row_vec3
+from isophote.kernels.trace.wave import hit_of, row_vec3
 
 __all__ = ["next_hit", "opacity_at", "pass_holes", "shade_holes"]
 
@@ -80,13 +80,7 @@ def _pass(scene, wave, i):
     """Take the hit of ray `i` on."""
     floats, longs, scratch = wave.floats, wave.longs, wave.scratch
     origin, direction = row_vec3(floats, rows.ORIGIN, i), row_vec3(floats, rows.DIRECTION, i)
-    hit = Hit(
-        floats[rows.HIT_T, i],
-        floats[rows.HIT_W1, i],
-        floats[rows.HIT_W2, i],
-        longs[rows.HIT_SLOT, i],
-        longs[rows.HIT_INSTANCE, i],
-    )
+    hit = hit_of(wave, i)
     start, gone, u = origin, _ZERO, floats[rows.PICK_U, i]
     for _ in range(_MOST):
         if not (is_surface(hit.slot) and _is_cut(scene, hit)):

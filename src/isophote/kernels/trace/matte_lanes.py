@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from isophote.kernels.accel.geometry import Hit
 from isophote.kernels.accel.layout import BLOCK
 from isophote.kernels.accel.layout import LANES as TRIANGLES
 from isophote.kernels.accel.surface import (
@@ -46,7 +45,7 @@ from isophote.kernels.trace.painted_lights import tint_of_light
 from isophote.kernels.trace.path_met import add_emitted
 from isophote.kernels.trace.pick import pick_for
 from isophote.kernels.trace.shading import surface_colour
-from isophote.kernels.trace.wave import row_vec3, set_row_vec3
+from isophote.kernels.trace.wave import hit_of, row_vec3, set_row_vec3
 
 __all__ = ["gather_matte", "move_path", "move_shadow", "scatter_matte"]
 
@@ -72,18 +71,6 @@ _SHADOW_INTO, _ON = _A, _B
 
 
 @device
-def _hit(wave, i):
-    floats, longs = wave.floats, wave.longs
-    return Hit(
-        floats[rows.HIT_T, i],
-        floats[rows.HIT_W1, i],
-        floats[rows.HIT_W2, i],
-        longs[rows.HIT_SLOT, i],
-        longs[rows.HIT_INSTANCE, i],
-    )
-
-
-@device
 def _gather_corners(tables, wave, lane, hit, item, number):
     """Corners of a triangle that stands where its object does."""
     blocks, surfaces, lanes = tables.geometry.blocks, tables.surfaces, wave.lanes
@@ -100,9 +87,8 @@ def _gather_corners(tables, wave, lane, hit, item, number):
 
 
 @device
-def _know(tables, wave, i, lane, surface):
+def _know(lanes, lane, surface):
     """Note a surface that is known whole."""
-    lanes = wave.lanes
     set_row_vec3(lanes, _PLACE, lane, surface.place)
     set_row_vec3(lanes, _NORMAL, lane, surface.normal)
     set_row_vec3(lanes, _BLEND, lane, surface.shading)
@@ -113,7 +99,7 @@ def _know(tables, wave, i, lane, surface):
 def _gather(tables, wave, i, lane):
     """Put the surface that the ray in column `i` met into a lane, if it is matte; whether it is."""
     floats, surfaces, materials = wave.floats, tables.surfaces, tables.materials
-    hit = _hit(wave, i)
+    hit = hit_of(wave, i)
     number, whole = np.int64(0), hit.slot < 0
     if whole:
         item = direct_item(tables, hit)
@@ -134,7 +120,7 @@ def _gather(tables, wave, i, lane):
     if whole or emits or materials.textures[material] >= 0:
         direction = row_vec3(floats, rows.DIRECTION, i)
         surface = surface_of(tables, row_vec3(floats, rows.ORIGIN, i), direction, hit, wave.scratch)
-        _know(tables, wave, i, lane, surface)
+        _know(wave.lanes, lane, surface)
         colour = surface_colour(tables, surface, hit, direction, cone_radius(wave, i, hit.t), wave.scratch)
         add_emitted(tables, wave, i, surface, hit, direction, carried)
     else:

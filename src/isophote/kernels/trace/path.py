@@ -14,7 +14,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from isophote.kernels.accel.geometry import Hit
 from isophote.kernels.accel.surface import MATERIAL, offset_point
 from isophote.kernels.base.jit import device, kernel
 from isophote.kernels.base.vec import dot, maximum_component, vec3
@@ -43,7 +42,7 @@ from isophote.kernels.trace.pick import pick_for
 from isophote.kernels.trace.samples import FIRST, Tile, are_neighbours, develop, draw, start_paths
 from isophote.kernels.trace.shading import mirror_ray, scatter_glass_ray, surface_colour
 from isophote.kernels.trace.tables import FILM, PLAN, SCENE
-from isophote.kernels.trace.wave import row_vec3, set_row_vec3
+from isophote.kernels.trace.wave import hit_of, row_vec3, set_row_vec3
 
 __all__ = ["path_trace_tile"]
 
@@ -208,13 +207,7 @@ def _meet_surface(tables, plan, wave, i, depth, worth, to, at):
     none, shadows = np.int64(0), np.int64(0)
     origin, direction = row_vec3(floats, rows.ORIGIN, i), row_vec3(floats, rows.DIRECTION, i)
     carried, inside = row_vec3(floats, rows.CARRIED, i), longs[rows.INSIDE, i]
-    hit = Hit(
-        floats[rows.HIT_T, i],
-        floats[rows.HIT_W1, i],
-        floats[rows.HIT_W2, i],
-        longs[rows.HIT_SLOT, i],
-        longs[rows.HIT_INSTANCE, i],
-    )
+    hit = hit_of(wave, i)
     surface = surface_of(tables, origin, direction, hit, wave.scratch)
     material = np.int64(tables.surfaces.items[surface.item, MATERIAL])
     kind = tables.materials.kinds[material]

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from isophote.kernels.accel.geometry import Hit
 from isophote.kernels.accel.surface import MATERIAL, Surface
 from isophote.kernels.base.entry import call_entry, element_address, table_address
 from isophote.kernels.base.jit import device
@@ -41,7 +40,7 @@ from isophote.kernels.trace.holes import has_holes, share_left
 from isophote.kernels.trace.material import evaluate_material, prepare_material
 from isophote.kernels.trace.ray_log import log_light, log_visible
 from isophote.kernels.trace.shadow_tint import DIRECTION, END, LEFT
-from isophote.kernels.trace.wave import add_radiance, row_vec3, set_row_vec3
+from isophote.kernels.trace.wave import add_radiance, hit_of, row_vec3, set_row_vec3
 from isophote.kernels.trace.wave_entries import ask_blocked
 
 __all__ = ["light_surfaces", "prepare_surface", "remember_surface"]
@@ -123,16 +122,8 @@ def _boundary(tree, at):
 @device
 def _prepare(tables, tree, wave, surface, at):
     """`prepare_surface` for the surface in column `at`."""
-    floats, longs = wave.floats, wave.longs
     i = _column(tree, at)
-    hit = Hit(
-        floats[rows.HIT_T, i],
-        floats[rows.HIT_W1, i],
-        floats[rows.HIT_W2, i],
-        longs[rows.HIT_SLOT, i],
-        longs[rows.HIT_INSTANCE, i],
-    )
-    direction = row_vec3(floats, rows.DIRECTION, i)
+    hit, direction = hit_of(wave, i), row_vec3(wave.floats, rows.DIRECTION, i)
     radius = cone_radius(wave, i, hit.t)
     prepare_surface(tables, surface, _boundary(tree, at), hit, direction, radius, wave.scratch)
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from isophote.kernels.accel.geometry import SCRATCH_WORDS
+from isophote.kernels.accel.geometry import SCRATCH_WORDS, Hit
 from isophote.kernels.base import table
 from isophote.kernels.base.jit import device
 from isophote.kernels.base.table import Packed
@@ -20,6 +20,7 @@ from isophote.kernels.light.light_tree_layout import ASK_WORDS
 __all__ = [
     "WAVE",
     "add_radiance",
+    "hit_of",
     "new_wave",
     "row_vec3",
     "set_row_vec3",
@@ -106,6 +107,13 @@ def set_row_vec3(floats, row, i, v):
     floats[row, i] = v.x
     floats[row + 1, i] = v.y
     floats[row + 2, i] = v.z
+
+
+@device
+def hit_of(wave, i):
+    """The `Hit` in column `i`."""
+    floats, longs = wave.floats, wave.longs
+    return Hit(floats[HIT_T, i], floats[HIT_W1, i], floats[HIT_W2, i], longs[HIT_SLOT, i], longs[HIT_INSTANCE, i])
 
 
 @device
