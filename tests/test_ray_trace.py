@@ -147,7 +147,7 @@ def test_any_number_of_threads(reference):
         (passes, "_TILE", 13),
         (passes, "_TILE", 256),
         (ray_tiles, "_WAVE", 1),
-        (ray_tiles, "_WAVE", 7),
+        (ray_tiles, "_WAVE", 20),
         (ray_tiles, "_WAVE", 100),
         (ray_tiles, "_WAVE", 5000),
     ],
