@@ -172,7 +172,7 @@ def test_a_camera_inside_geometry(tmp_path: Path, material: str) -> None:
         (("--seconds", "nan"), "seconds must be a number above 0"),
         (("--noise", "-1"), "noise must be a number above 0"),
         (("--max-depth", "0"), "max_depth must be a whole number"),
-        (("--threads", "0"), "threads must be 1 or more"),
+        (("--threads", "0"), "threads must be a whole number from 1 to 1,024"),
     ],
 )
 def test_values_without_meaning(tmp_path: Path, options: tuple[str, ...], message: str) -> None:
