@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import signal
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
+from contextlib import contextmanager
 from typing import NamedTuple, TypeVar
 
 import numpy as np
@@ -80,10 +82,40 @@ class Pool:
         self._stopped.set()
 
     def run(self, work: Callable[[_Job, int], None], jobs: Sequence[_Job], done: Callable[[int], None]) -> None:
-        """Call `work(job, thread)` for each job in order; `done(count)` now and then, in the calling thread.
+        """Call `work(job, thread)` for each job in order, on as many threads as there are, or in the calling one where
+        that is one; `done(count)` now and then, in the calling thread.
 
         An interrupt (Ctrl-C) stops after the jobs under way; what a job raises is raised here.
         """
+        threads = max(1, min(self.threads, len(jobs)))
+        with _interrupts_told(self.stop) as told:
+            if threads == 1 and told:
+                self._run_here(work, jobs, done)
+            else:
+                self._run_in_threads(threads, work, jobs, done)
+
+    def _run_here(self, work: Callable[[_Job, int], None], jobs: Sequence[_Job], done: Callable[[int], None]) -> None:
+        """In the calling thread: starting another takes as long as tracing some thousands of rays."""
+        finished, glance = 0, time.monotonic() + _GLANCE
+        try:
+            for job in jobs:
+                if self.stopped:
+                    break
+                work(job, 0)
+                finished += 1
+                if time.monotonic() >= glance:
+                    done(finished)
+                    glance = time.monotonic() + _GLANCE
+        except KeyboardInterrupt:
+            self.stop()
+        except BaseException:
+            self.stop()
+            raise
+        done(finished)
+
+    def _run_in_threads(
+        self, threads: int, work: Callable[[_Job, int], None], jobs: Sequence[_Job], done: Callable[[int], None]
+    ) -> None:
         following = iter(jobs)
         lock = threading.Lock()
         finished = 0
@@ -99,8 +131,6 @@ class Pool:
                 with lock:
                     finished += 1
 
-        # Starting a thread takes as long as tracing some thousands of rays.
-        threads = max(1, min(self.threads, len(jobs)))
         with ThreadPoolExecutor(threads) as executor:
             running = {executor.submit(worker, thread) for thread in range(threads)}
             while running:
@@ -115,3 +145,22 @@ class Pool:
                     self.stop()
                     raise
         done(finished)
+
+
+@contextmanager
+def _interrupts_told(stop: Callable[[], None]) -> Iterator[bool]:
+    """Have interrupts call `stop`, and not break into what runs meanwhile; whether that is so. They come to the main
+    thread alone; a handler there that is someone else's stays."""
+    if threading.current_thread() is not threading.main_thread():
+        yield True
+        return
+    before = signal.getsignal(signal.SIGINT)
+    if before not in (signal.default_int_handler, signal.SIG_DFL, signal.SIG_IGN):
+        yield False
+        return
+    if before != signal.SIG_IGN:
+        signal.signal(signal.SIGINT, lambda number, frame: stop())
+    try:
+        yield True
+    finally:
+        signal.signal(signal.SIGINT, before)
