@@ -38,8 +38,6 @@ TOPICS = {
     "fields": _Topic("fields", ("trees", "fields", "primitives")),
     "agreement": _Topic("agreement", ("path", "ray", "waves", "first hits", "trees")),
 }
-# Methods are what takes long to compile; the rest is compiled in a second process beside them.
-_METHODS = ("path",)
 _THOROUGH = 16
 _NAN = float("nan")
 
@@ -80,9 +78,7 @@ def _chosen(topics: Iterable[str] | None) -> tuple[str, ...]:
 
 
 def _warm(topics: Iterable[str], report: Reporter) -> None:
-    parts = dict.fromkeys(part for topic in topics for part in TOPICS[topic].parts)
-    here = [part for part in parts if part in _METHODS]
-    warm_parts(report, here, [part for part in parts if part not in _METHODS])
+    warm_parts(report, list(dict.fromkeys(part for topic in topics for part in TOPICS[topic].parts)))
 
 
 def _checks(topics: Iterable[str]) -> list[Check]:

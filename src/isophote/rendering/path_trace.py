@@ -9,6 +9,7 @@ import attrs
 
 from isophote.kernels.trace.path import path_trace_tile
 from isophote.kernels.trace.wave import new_wave
+from isophote.kernels.trace.wave_entries import pack_entries
 from isophote.lower.field_table import scratch_words
 from isophote.rendering.darkness import warn_if_dark, warn_if_swallowed
 from isophote.rendering.exposure import Moment, expose, over_moments
@@ -103,9 +104,11 @@ class PathTrace:
         ]
         words = scratch_words(moments[0].scene.arrays["fields"])
         waves = [new_wave(_WAVE, words) for _ in range(pool.threads)]
+        entries = pack_entries()
 
         def work(tile: Tile, thread: int, moment: int) -> None:
-            path_trace_tile(moments[moment].scene.words, plans[moment].words, film.words, waves[thread].words, *tile)
+            scene, plan = moments[moment].scene, plans[moment]
+            path_trace_tile(scene.words, plan.words, film.words, waves[thread].words, entries.words, *tile)
 
         trace_passes(
             over_moments(work, film, plans[0], len(moments)), film, self.limits, job, pool, "path tracing", began

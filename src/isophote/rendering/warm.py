@@ -6,7 +6,7 @@ import gc
 import subprocess
 import sys
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import NamedTuple, TypeAlias
@@ -57,11 +57,11 @@ def _words(table: Table) -> _Words:
 
 
 def _path_tracer() -> None:
-    from isophote.kernels.trace import path
+    from isophote.kernels.trace import path, wave_entries
 
     # A tile without pixels needs no tables.
     words = (_words(table) for table in (tables.SCENE, tables.PLAN, tables.FILM))
-    path.path_trace_tile(*words, wave.new_wave(1).words, 0, 0, 0, 0)
+    path.path_trace_tile(*words, wave.new_wave(1).words, _words(wave_entries.ENTRIES), 0, 0, 0, 0)
 
 
 def _ray_tracer() -> None:
@@ -87,11 +87,16 @@ def _sphere_tracer() -> None:
 
 
 def _waves() -> None:
-    from isophote.kernels.trace import light_samples, wave_entries
+    from isophote.kernels.trace import wave_entries
+
+    wave_entries.compile_entries()
+
+
+def _light_samples() -> None:
+    from isophote.kernels.trace import light_samples
 
     light_samples.draw_jobs.compile()
     light_samples.sample_lights.compile()
-    wave_entries.compile_entries()
 
 
 def _first_hits() -> None:
@@ -173,37 +178,42 @@ def _air() -> None:
 
 
 class _Part(NamedTuple):
-    """What is compiled together: file and name of the kernel that comes last, and what compiles it."""
+    """What is compiled together: file and name of the kernel that comes last, what compiles it, and about how long that
+    takes beside others."""
 
     file: str
     kernel: str
     compile: Callable[[], None]
+    seconds: int = 3
 
 
 # Compiling loads much, so each part does it for itself.
 _PARTS = {
-    "path": _Part("trace/path.py", "path_trace_tile", _path_tracer),
-    "ray": _Part("trace/ray_trace.py", "ray_trace_tile", _ray_tracer),
-    "occlusion": _Part("trace/occlusion_picture.py", "occlusion_tile", _occlusion),
-    "sphere": _Part("trace/sphere_trace.py", "sphere_trace_tile", _sphere_tracer),
-    "waves": _Part("trace/wave_entries.py", "blocked_of_wave", _waves),
-    "first hits": _Part("trace/first_hit.py", "first_hits", _first_hits),
-    "trees": _Part("accel/build_wide.py", "fill_blocks", _trees),
-    "fields": _Part("accel/field_build.py", "split_regions", _fields),
-    "primitives": _Part("primitive/surface.py", "primitive_surface", _primitives),
-    "air": _Part("trace/air_rays.py", "dim_shadows", _air),
-    "materials": _Part("trace/prepare.py", "prepare", _materials),
-    "textures": _Part("trace/textured.py", "colour_at", _textures),
-    "pictures": _Part("texture/filtered.py", "elliptical", _pictures),
-    "light tree": _Part("light/light_tree_build.py", "collapse_light_tree", _light_tree),
-    "visits": _Part("trace/count.py", "count_pixels", _counts),
+    "path": _Part("trace/path.py", "path_trace_tile", _path_tracer, 9),
+    "ray": _Part("trace/ray_trace.py", "ray_trace_tile", _ray_tracer, 10),
+    "occlusion": _Part("trace/occlusion_picture.py", "occlusion_tile", _occlusion, 14),
+    "sphere": _Part("trace/sphere_trace.py", "sphere_trace_tile", _sphere_tracer, 10),
+    "light samples": _Part("trace/light_samples.py", "sample_lights", _light_samples, 3),
+    "waves": _Part("trace/wave_entries.py", "blocked_of_wave", _waves, 12),
+    "first hits": _Part("trace/first_hit.py", "first_hits", _first_hits, 4),
+    "trees": _Part("accel/build_wide.py", "fill_blocks", _trees, 3),
+    "fields": _Part("accel/field_build.py", "split_regions", _fields, 10),
+    "primitives": _Part("primitive/surface.py", "primitive_surface", _primitives, 2),
+    "air": _Part("trace/air_rays.py", "dim_shadows", _air, 4),
+    "materials": _Part("trace/prepare.py", "prepare", _materials, 2),
+    "textures": _Part("trace/textured.py", "colour_at", _textures, 2),
+    "pictures": _Part("texture/filtered.py", "elliptical", _pictures, 2),
+    "light tree": _Part("light/light_tree_build.py", "collapse_light_tree", _light_tree, 3),
+    "visits": _Part("trace/count.py", "count_pixels", _counts, 2),
     **{name: _Part(*part) for name, part in accelerator_parts()},
 }
+# What tiles call by address.
+_CALLED = {"path": ("waves",), "ray": ("waves", "light samples")}
 _KERNELS = Path(kernels.__file__ or "").parent
 _there: set[str] = set()
 
 
-def compiled(parts: Sequence[str] = ("path", "first hits")) -> bool:
+def compiled(parts: Sequence[str] = ("path", "waves", "first hits")) -> bool:
     """Whether these parts lie in the cache; what a picture of meshes takes if none are named."""
     for name in parts:
         # Looking through the cache's folder takes milliseconds; what was there once in a process, is loaded.
@@ -237,8 +247,7 @@ def _instances(scene: Scene) -> list[str]:
 
 def warm_up(report: Reporter, scene: Scene, method: str, accelerator: str = "bvh") -> None:
     """Compile what a method ("path", "ray", "occlusion", "sphere" or "visits") needs for a scene, with the accelerator
-    of a name, and is not in the cache yet, the method itself here and the rest in a second process; both write to the
-    same cache."""
+    of a name, and is not in the cache yet."""
     rest = [] if method == "sphere" else ["first hits"]
     kinds = [_part_of(item.shape, method) for item in scene.items]
     if method != "sphere" and many_lamps(scene):
@@ -257,17 +266,29 @@ def warm_up(report: Reporter, scene: Scene, method: str, accelerator: str = "bvh
         rest.append("light tree")
     if method == "path" and scene.medium is not None:
         rest.append("air")
-    if method == "ray":
-        # As long as all else together.
-        warm_parts(report, [method, *rest], ["waves"])
-        return
-    warm_parts(report, [method], rest)
+    warm_parts(report, [method, *rest])
 
 
-def warm_parts(report: Reporter, here: Sequence[str], rest: Sequence[str]) -> None:
-    """Compile these parts where they are not in the cache yet, those of `rest` in a second process."""
-    if compiled([*here, *rest]):
+def _halves(parts: Iterable[str]) -> tuple[list[str], list[str]]:
+    """Parts for two processes that take about as long, the longest first."""
+    here: list[str] = []
+    rest: list[str] = []
+    ahead = 0
+    for name in sorted(parts, key=lambda name: -_PARTS[name].seconds):
+        seconds = _PARTS[name].seconds
+        (here if ahead <= 0 else rest).append(name)
+        ahead += seconds if ahead <= 0 else -seconds
+    return here, rest
+
+
+def warm_parts(report: Reporter, parts: Sequence[str]) -> None:
+    """Compile these parts, and what they call by address, where they are not in the cache yet: half of them here, half
+    in a second process; both write to the same cache."""
+    called = [other for name in parts for other in _CALLED.get(name, ())]
+    needed = list(dict.fromkeys([*parts, *called]))
+    if compiled(needed):
         return
+    here, rest = _halves(needed)
     with _counted(report):
         other = None
         if sys.executable and rest:

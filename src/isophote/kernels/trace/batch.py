@@ -38,6 +38,7 @@ from isophote.kernels.trace.wave import add_radiance, row_vec3
 
 __all__ = [
     "LAMP",
+    "add_unblocked",
     "blocked_in_packets",
     "closest_direct_of_wave",
     "closest_in_packets",
@@ -46,7 +47,6 @@ __all__ = [
     "find_blocked_otherwise",
     "in_packets",
     "trace_rays",
-    "trace_shadow_rays",
 ]
 
 # Slot of a hit that is a disk or sphere light, whose number stands in the place of the instance.
@@ -312,9 +312,8 @@ def _blocked_by_lamps(lights, wave, count):
 
 
 @device
-def trace_shadow_rays(scene, wave, count, coherent):
-    """Add the light of every shadow ray that nothing blocks."""
-    find_blocked(scene, wave, count, coherent)
+def add_unblocked(scene, wave, count):
+    """Add the light of every shadow ray that nothing blocks, as `find_blocked` has told."""
     for i in range(count):
         if wave.ints[rows.BLOCKED, i] == 0:
             light = row_vec3(wave.floats, rows.SHADOW_LIGHT, i)

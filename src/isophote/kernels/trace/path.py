@@ -29,7 +29,7 @@ from isophote.kernels.light.medium import (
 )
 from isophote.kernels.trace import wave as rows
 from isophote.kernels.trace.air import SCATTERED, dim_shadow_rays, scatter_in_air
-from isophote.kernels.trace.batch import LAMP, trace_rays, trace_shadow_rays
+from isophote.kernels.trace.batch import LAMP, add_unblocked
 from isophote.kernels.trace.boundary import goes_smoothly, set_relative_index
 from isophote.kernels.trace.cone import carry_cone, cone_radius
 from isophote.kernels.trace.direct import is_surface, surface_of
@@ -39,10 +39,11 @@ from isophote.kernels.trace.matte_lanes import gather_matte, move_path, move_sha
 from isophote.kernels.trace.painted_lights import tint_of_light
 from isophote.kernels.trace.path_met import add_emitted, add_lamp, add_sky
 from isophote.kernels.trace.pick import pick_for
-from isophote.kernels.trace.samples import FIRST, Tile, are_neighbours, develop, draw, start_paths
+from isophote.kernels.trace.samples import FIRST, Tile, are_neighbours, develop
 from isophote.kernels.trace.shading import mirror_ray, scatter_glass_ray, surface_colour
 from isophote.kernels.trace.tables import FILM, PLAN, SCENE
 from isophote.kernels.trace.wave import hit_of, row_vec3, set_row_vec3
+from isophote.kernels.trace.wave_entries import ENTRIES, ask_blocked, ask_closest, ask_numbers, ask_start
 
 __all__ = ["path_trace_tile"]
 
@@ -55,7 +56,8 @@ _SHADOW_END = np.float32(1 - 1e-4)
 # the first, and a body under a sky has two thirds of the noise by the second.
 _WORTH_AIMED, _WORTH_MET = np.float32(0.5), np.float32(0.25)
 
-open_scene, open_plan, open_film, open_wave = SCENE.open, PLAN.open, FILM.open, rows.WAVE.open
+open_scene, open_plan, open_film = SCENE.open, PLAN.open, FILM.open
+open_wave, open_entries = rows.WAVE.open, ENTRIES.open
 
 # Sampling dimensions (pairs of numbers): three for each ray of the path.
 _PICK, _LIGHT, _SCATTER, _PER_RAY = np.int64(0), np.int64(1), np.int64(2), np.int64(3)
@@ -64,13 +66,13 @@ _HOLES = np.int64(2**20)
 
 
 @device
-def _draw_step(plan, wave, count, depth):
+def _draw_step(entries, plan, wave, count, depth):
     """Sample numbers of one step for every path: PICK_U picks a light and one of several lobes or rays, PICK_V ends
     paths, LIGHT is a place on the light, SCATTER a point of the unit disk."""
     first = FIRST + _PER_RAY * (depth - 1)
-    draw(plan, wave, count, first + _PICK, rows.PICK_U)
-    draw(plan, wave, count, first + _LIGHT, rows.LIGHT_U)
-    draw(plan, wave, count, first + _SCATTER, rows.SCATTER_U)
+    ask_numbers(entries, plan, wave, count, first + _PICK, np.int64(rows.PICK_U))
+    ask_numbers(entries, plan, wave, count, first + _LIGHT, np.int64(rows.LIGHT_U))
+    ask_numbers(entries, plan, wave, count, first + _SCATTER, np.int64(rows.SCATTER_U))
     # Scattering starts from a point of the unit disk; here it is made for eight paths at a time.
     u, v = wave.floats[rows.SCATTER_U], wave.floats[rows.SCATTER_V]
     for i in range(count):
@@ -271,27 +273,31 @@ def _shade(tables, plan, wave, count, depth, shadows):
 
 
 @kernel
-def path_trace_tile(scene_words, plan_words, film_words, wave_words, x0, x1, y0, y1):
+def path_trace_tile(scene_words, plan_words, film_words, wave_words, entry_words, x0, x1, y0, y1):
     """Path-trace the samples that the pixels x0 ≤ x < x1, y0 ≤ y < y1 are short of, onto the film."""
     tables, plan = open_scene(scene_words), open_plan(plan_words)
-    film, wave = open_film(film_words), open_wave(wave_words)
+    film, wave, entries = open_film(film_words), open_wave(wave_words), open_entries(entry_words)
     tile = Tile(x0, x1, y0, y1)
     begun = np.int64(0)
-    count, place = start_paths(tables, plan, film, tile, begun, wave)
+    # A tile without pixels needs no tables (rendering/warm.py).
+    count, place = begun, begun
+    if x0 < x1 and y0 < y1:
+        count, place = ask_start(entries, tables, plan, film, tile, begun, wave)
     while count > 0:
         alive, together = count, are_neighbours(count, begun, place)
         for depth in range(1, plan.max_depth + 1):
             if has_holes(tables):
-                draw(plan, wave, alive, _HOLES + depth, rows.PICK_U)
+                ask_numbers(entries, plan, wave, alive, _HOLES + depth, np.int64(rows.PICK_U))
             # Rays of one pixel leave the camera together; later ones go every way.
-            trace_rays(tables, wave, alive, together and depth == 1)
-            _draw_step(plan, wave, alive, depth)
+            ask_closest(entries, tables, wave, alive, together and depth == 1)
+            _draw_step(entries, plan, wave, alive, depth)
             in_air = scatter_in_air(tables, plan, wave, alive, depth)
             alive, shadows = _shade(tables, plan, wave, alive, depth, in_air)
             dim_shadow_rays(tables, wave, shadows)
-            trace_shadow_rays(tables, wave, shadows, together and depth == 1)
+            ask_blocked(entries, tables, wave, shadows, together and depth == 1)
+            add_unblocked(tables, wave, shadows)
             if alive == 0:
                 break
         develop(plan, count, wave, film)
         begun = place
-        count, place = start_paths(tables, plan, film, tile, place, wave)
+        count, place = ask_start(entries, tables, plan, film, tile, place, wave)
